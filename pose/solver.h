@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "pose/camera.h"
+#include "pose/pose.h"
+
+namespace sightline {
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// What a pose solver is given: n points of the target and where the camera saw them.
+struct PoseProblem {
+  Camera camera;
+  std::vector<Eigen::Vector3d> points_in_target;  ///< metres
+  std::vector<Eigen::Vector2d> pixels;            ///< one a point
+  /// Covariance of each pixel; empty or one a point. LSPE and ORPE, as printed, ignore it.
+  std::vector<Eigen::Matrix2d> covariances_px2;
+  /// Where to start. Without it solvers start from orthogonal iteration, which needs no truth.
+  std::optional<Pose> initial_cam_from_target;
+  /// For the oracle alone, which exists for evaluation: which points are true inliers.
+  std::vector<bool> true_inliers;
+};
+
+enum class PoseStatus {
+  kOk,
+  kTooFewPoints,  ///< fewer than the solver needs
+  kDegenerate,    ///< the points do not determine a pose (collinear, coincident)
+  kBehindCamera,  ///< the solution has a point behind the camera
+  kDiverged,      ///< no convergence, or numbers that are not finite
+};
+
+std::string_view to_string(PoseStatus status);
+
+struct PoseEstimate {
+  PoseStatus status = PoseStatus::kTooFewPoints;
+  Pose cam_from_target;      ///< meaningful only with status kOk
+  std::vector<int> removed;  ///< indices of the points judged outliers, ascending
+  /// Covariance of (w, dt), cam_from_target = (Exp(w) R, t + dt), for unit pixel noise on the kept
+  /// points; radians and metres.
+  Matrix6d unit_covariance = Matrix6d::Zero();
+  int iterations = 0;  ///< of the innermost optimiser, all calls together
+};
+
+struct LspeOptions {
+  int max_iterations = 100;
+  /// Converged when a step turns by less than this angle and moves by less than this part of the
+  /// range.
+  double step_tolerance = 1e-10;
+};
+
+struct OrpeOptions {
+  double rho = 10;  ///< an outlier lowers the minimax residual at least by this factor (squared px)
+};
+
+struct SolverOptions {
+  LspeOptions lspe;
+  OrpeOptions orpe;
+};
+
+/// One way to estimate a pose. To add a solver: write pose/solvers/<name>.cpp with one function of
+/// this signature, declare it in pose/solvers/solvers.h, and give it a line in the catalogue
+/// (pose/solver.cpp).
+struct PoseSolver {
+  std::string_view name;
+  std::string_view summary;
+  int minimum_points;
+  bool evaluation_only;  ///< needs the truth; never in a default list
+  PoseEstimate (*solve)(const PoseProblem& problem, const SolverOptions& options);
+};
+
+/// The catalogue, in the order in which it is listed.
+std::span<const PoseSolver> pose_solvers();
+
+/// The solver of that name, or null.
+const PoseSolver* find_pose_solver(std::string_view name);
+
+}  // namespace sightline

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+namespace sightline {
+
+/// A painted or separate piece of a target. A triangle's part id in a frame is its index plus one.
+struct Part {
+  std::string name;
+  double albedo = 0.8;  ///< linear reflectance, 0 to 1
+};
+
+struct Triangle {
+  std::array<int, 3> vertex;  ///< indices into Mesh::vertices, counter-clockwise from outside
+  int part = 0;               ///< index into Mesh::parts
+  /// Unit shading normals at the three corners, outward.
+  std::array<Eigen::Vector3d, 3> normal;
+};
+
+/// A triangle mesh in the target's frame, in metres. Vertices are shared: points that coincide are
+/// one vertex, also where parts meet; creases live in the corner normals.
+struct Mesh {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Triangle> triangles;
+  std::vector<Part> parts;
+};
+
+/// Sets every corner normal to the area-weighted mean of the normals of the faces around that
+/// vertex which turn by less than `crease_angle_rad` against the corner's own face.
+void compute_corner_normals(Mesh& mesh, double crease_angle_rad);
+
+/// The unit normal of a triangle by its winding; zero for a degenerate one.
+Eigen::Vector3d face_normal(const Mesh& mesh, const Triangle& triangle);
+
+struct Bounds {
+  Eigen::Vector3d min_m;
+  Eigen::Vector3d max_m;
+};
+
+/// The axis-aligned box of the vertices. The mesh must not be empty.
+Bounds bounds(const Mesh& mesh);
+
+/// The greatest distance from the origin of the target's frame to a vertex, metres.
+double radius_m(const Mesh& mesh);
+
+}  // namespace sightline
