@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
 #include <span>
+
+#include <Eigen/Core>
 
 #include "pose/solver.h"
 
@@ -12,10 +13,10 @@ namespace sightline {
 
 /// The Cramér-Rao bound of a pose: no unbiased estimator has a smaller covariance.
 struct PoseBound {
-  Matrix6d covariance;        ///< of (w, dt) in cam_from_target = (Exp(w) R, t + dt); rad, m
-  double geodesic_rms_rad;    ///< sqrt of the trace of the rotation block
-  double attitude_rms_rad;    ///< the bound of theta_error as the ORPE paper defines it
-  double translation_rms;     ///< the bound of T_error, a fraction of the imaging distance
+  Matrix6d covariance;      ///< of (w, dt) in cam_from_target = (Exp(w) R, t + dt); rad, m
+  double geodesic_rms_rad;  ///< sqrt of the trace of the rotation block
+  double attitude_rms_rad;  ///< the bound of theta_error as the ORPE paper defines it
+  double translation_rms;   ///< the bound of T_error, a fraction of the imaging distance
 };
 
 /// The bound for independent Gaussian pixel noise of sd `sigma_px` on both coordinates of each

@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
+
+#include <Eigen/Core>
 
 namespace sightline {
 
@@ -32,12 +33,19 @@ struct Camera {
 /// A distortion-free camera with square pixels and a centred principal point.
 Camera centred_camera(int width_px, int height_px, double focal_px);
 
+/// Where the lens puts the ray (x/z, y/z), still in normalised coordinates.
+Eigen::Vector2d distorted(const BrownConrady& lens, const Eigen::Vector2d& normalised);
+
+/// The derivative of `distorted`. Its determinant is positive wherever the lens can be undone.
+Eigen::Matrix2d distortion_jacobian(const BrownConrady& lens, const Eigen::Vector2d& normalised);
+
 /// The pixel of a point; none for a point at or behind the camera's plane (z <= 0).
 /// The pixel may lie outside the image.
 std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& x_in_cam);
 
 /// (x/z, y/z) of the ray through a pixel: the inverse of project up to depth.
-/// None where the distortion has no inverse (its fixed-point iteration does not converge).
+/// None where the distortion has no inverse: Newton's iteration, begun at the distorted point,
+/// meets a fold of the lens model or does not converge. None for a pixel that is not finite.
 std::optional<Eigen::Vector2d> normalised_from_pixel(const Camera& camera,
                                                      const Eigen::Vector2d& pixel);
 

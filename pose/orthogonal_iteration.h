@@ -16,10 +16,10 @@ struct OrthogonalIterationOptions {
 
 /// Starts for the image-space solvers that need neither truth nor a guess: orthogonal iteration
 /// (Lu, Hager, Mjolsness, IEEE PAMI 22(6), 2000) whose inner step is the fast absolute orientation,
-/// begun from the scaled-orthographic (affine) pose. A planar or nearly planar target has two mirror
-/// starts that fit alike at weak perspective; both are then iterated and returned, better one first.
-/// Empty when there are fewer than four points or they are collinear (or, under weak perspective,
-/// coincide in the image). Every returned pose has all points in front of the camera.
+/// begun from the scaled-orthographic (affine) pose. A planar or nearly planar target has two
+/// mirror starts that fit alike at weak perspective; both are then iterated and returned, better
+/// one first. Empty when there are fewer than four points or they are collinear (or, under weak
+/// perspective, coincide in the image). Every returned pose has all points in front of the camera.
 std::vector<Pose> orthogonal_iteration_starts(const PoseProblem& problem,
                                               const OrthogonalIterationOptions& options = {});
 

@@ -38,7 +38,8 @@ Eigen::Vector3d vector_from_rotation(const Eigen::Matrix3d& rotation);
 /// of Euler angles it has no gimbal lock. Accurate to 1e-15 rad near 0 and near pi.
 double geodesic_angle_rad(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);
 
-/// The unit quaternion (w, x, y, z), scalar first and w >= 0, as files store it.
+/// The unit quaternion (w, x, y, z), scalar first and w >= 0, as files store it. (A half turn, w =
+/// 0, has two such quaternions; either may come.)
 Eigen::Vector4d quaternion_wxyz(const Eigen::Matrix3d& rotation);
 
 /// The rotation of a quaternion (w, x, y, z) of any length but zero.

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "pose/camera.h"
 #include "pose/pose.h"
@@ -30,10 +31,11 @@ struct PoseProblem {
 
 enum class PoseStatus {
   kOk,
-  kTooFewPoints,  ///< fewer than the solver needs
-  kDegenerate,    ///< the points do not determine a pose (collinear, coincident)
-  kBehindCamera,  ///< the solution has a point behind the camera
-  kDiverged,      ///< no convergence, or numbers that are not finite
+  kTooFewPoints,  ///< fewer than the solver needs, or lists of different lengths
+  kDegenerate,    ///< the input does not determine a pose: points that are collinear or coincide,
+                  ///< numbers that are not finite, a pixel that the lens model cannot undo
+  kBehindCamera,  ///< the initial pose has a point behind the camera
+  kDiverged,      ///< no convergence
 };
 
 std::string_view to_string(PoseStatus status);
@@ -70,10 +72,14 @@ struct SolverOptions {
 struct PoseSolver {
   std::string_view name;
   std::string_view summary;
-  int minimum_points;
+  int minimum_points;    ///< without an initial pose; with one, three may do
   bool evaluation_only;  ///< needs the truth; never in a default list
   PoseEstimate (*solve)(const PoseProblem& problem, const SolverOptions& options);
 };
+
+/// What holds for every solver: a pose with status kOk is a rigid one with all kept points in front
+/// of the camera; no number of an estimate is NaN; the order of the points, the choice of the
+/// target's frame and the unit of length do not matter.
 
 /// The catalogue, in the order in which it is listed.
 std::span<const PoseSolver> pose_solvers();

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace sightline {
 
@@ -16,10 +17,11 @@ struct Part {
 };
 
 struct Triangle {
-  std::array<int, 3> vertex;  ///< indices into Mesh::vertices, counter-clockwise from outside
-  int part = 0;               ///< index into Mesh::parts
+  std::array<int, 3> vertex{};  ///< indices into Mesh::vertices, counter-clockwise from outside
+  int part = 0;                 ///< index into Mesh::parts
   /// Unit shading normals at the three corners, outward.
-  std::array<Eigen::Vector3d, 3> normal;
+  std::array<Eigen::Vector3d, 3> normal{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                                        Eigen::Vector3d::Zero()};
 };
 
 /// A triangle mesh in the target's frame, in metres. Vertices are shared: points that coincide are

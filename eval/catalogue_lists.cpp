@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/catalogue_lists.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "features/extractor.h"
+#include "pose/solver.h"
+#include "scenes/assets.h"
+#include "scenes/input_error.h"
+#include "scenes/toml_table.h"
+
+namespace sightline {
+namespace {
+
+struct Line {
+  std::string name;
+  std::string text;
+};
+
+std::string section(const std::string& title, const std::vector<Line>& lines) {
+  size_t width = 0;
+  for (const Line& line : lines) width = std::max(width, line.name.size());
+  std::string out = title + "\n";
+  for (const Line& line : lines) out += fmt::format("  {:<{}}  {}\n", line.name, width, line.text);
+  return out;
+}
+
+std::string targets() {
+  std::vector<Line> lines;
+  for (const std::string& name : target_names()) {
+    const TomlTable table = TomlTable::read_file(find_target_file(name));
+    lines.push_back({name, table.text("description", "")});
+  }
+  return section("targets", lines);
+}
+
+std::string extractors() {
+  std::vector<Line> lines;
+  for (const FeatureExtractor& extractor : feature_extractors()) {
+    lines.push_back({std::string(extractor.name),
+                     fmt::format("[{}] {}", to_string(extractor.kind), extractor.summary)});
+  }
+  return section("extractors", lines);
+}
+
+std::string solvers() {
+  std::vector<Line> lines;
+  for (const PoseSolver& solver : pose_solvers()) {
+    const char* note = solver.evaluation_only ? " (evaluation only: needs the truth)" : "";
+    lines.push_back({std::string(solver.name), fmt::format("{}{}", solver.summary, note)});
+  }
+  return section("solvers", lines);
+}
+
+std::string studies() {
+  std::vector<Line> lines;
+  for (const std::string& name : study_names()) {
+    const TomlTable table = TomlTable::read_file(find_study_file(name));
+    const std::string reference = table.text("reference", "");
+    lines.push_back({name, table.text("question", "") +
+                               (reference.empty() ? "" : fmt::format(" [{}]", reference))});
+  }
+  return section("studies", lines);
+}
+
+}  // namespace
+
+std::string catalogue_lists(const std::string& what) {
+  if (what.empty()) return targets() + "\n" + extractors() + "\n" + solvers() + "\n" + studies();
+  if (what == "targets") return targets();
+  if (what == "extractors") return extractors();
+  if (what == "solvers") return solvers();
+  if (what == "studies") return studies();
+  const std::vector<std::string> known = {"targets", "extractors", "solvers", "studies"};
+  throw InputError(fmt::format("list: '{}' is not a list{}", what, suggestion(what, known)));
+}
+
+}  // namespace sightline

@@ -1,0 +1,13 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+namespace sightline {
+
+/// What `sightline list` prints, made from the catalogues and the assets: `what` is targets,
+/// extractors, solvers, studies, or empty for all. Throws InputError for any other word.
+std::string catalogue_lists(const std::string& what);
+
+}  // namespace sightline

@@ -1,0 +1,178 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <set>
+#include <span>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "eval/summary.h"
+
+namespace sightline {
+namespace {
+
+// Fields of a line, quoted where they have to be.
+class Line {
+ public:
+  Line& operator<<(std::string_view text) {
+    begin_field();
+    if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
+      text_ += text;
+      return *this;
+    }
+    text_ += '"';
+    for (const char c : text) {
+      if (c == '"') text_ += '"';
+      text_ += c;
+    }
+    text_ += '"';
+    return *this;
+  }
+
+  // The shortest number that reads back the same.
+  Line& operator<<(double number) {
+    begin_field();
+    fmt::format_to(std::back_inserter(text_), "{}", number);
+    return *this;
+  }
+
+  Line& operator<<(int64_t number) {
+    begin_field();
+    fmt::format_to(std::back_inserter(text_), "{}", number);
+    return *this;
+  }
+
+  Line& operator<<(int number) { return *this << int64_t{number}; }
+
+  Line& operator<<(const Pose& pose) {
+    for (const double q : quaternion_wxyz(pose.rotation)) *this << q;
+    for (const double t : pose.translation) *this << t;
+    return *this;
+  }
+
+  Line& empty_fields(size_t count) {
+    for (size_t i = 0; i < count; ++i) *this << "";
+    return *this;
+  }
+
+  std::string end() && { return std::move(text_) + "\n"; }
+
+ private:
+  void begin_field() {
+    if (has_fields_) text_ += ',';
+    has_fields_ = true;
+  }
+
+  std::string text_;
+  bool has_fields_ = false;
+};
+
+using Names = std::span<const std::string_view>;
+
+constexpr std::array<std::string_view, 2> kTrial{"trial", "condition"};
+constexpr std::array<std::string_view, 2> kSolver{"solver", "status"};
+constexpr std::array<std::string_view, 7> kErrors{
+    "theta_error_deg", "t_error_percent", "geodesic_deg", "reprojection_rms_px",
+    "add_m",           "mssd_m",          "mspd_px"};
+constexpr std::array<std::string_view, 5> kCounts{"removed", "false_removals", "missed_outliers",
+                                                  "found", "outliers"};
+constexpr std::array<std::string_view, 7> kPose{"qw", "qx", "qy", "qz", "tx_m", "ty_m", "tz_m"};
+constexpr std::array<std::string_view, 7> kTruePose{"true_qw",   "true_qx",   "true_qy",  "true_qz",
+                                                    "true_tx_m", "true_ty_m", "true_tz_m"};
+
+std::set<std::string> condition_keys(const Study& study) {
+  std::set<std::string> keys;
+  for (const Condition& condition : study.conditions) {
+    for (const auto& [key, value] : condition.values) keys.insert(key);
+  }
+  return keys;
+}
+
+std::string header(const std::set<std::string>& keys) {
+  Line line;
+  const auto add = [&line](const auto& names) {
+    for (const auto& name : names) line << name;
+  };
+  add(kTrial);
+  add(keys);
+  for (const Names names :
+       {Names(kSolver), Names(kErrors), Names(kCounts), Names(kPose), Names(kTruePose)}) {
+    add(names);
+  }
+  return std::move(line).end();
+}
+
+// What a trial's images gave.
+struct Counts {
+  int found = 0;
+  int outliers = 0;
+};
+
+Counts count_observations(const TrialRecord& trial) {
+  Counts counts;
+  for (const ObservationRecord& observation : trial.observations) {
+    counts.found += observation.is_found();
+    counts.outliers += observation.is_outlier;
+  }
+  return counts;
+}
+
+void write_errors(Line& line, const EstimateRecord& e) {
+  if (!e.is_ok()) {
+    line.empty_fields(kErrors.size());
+    return;
+  }
+  line << e.theta_error_deg << e.t_error_percent << e.geodesic_deg << e.reprojection_rms_px
+       << e.add_m << e.mssd_m << e.mspd_px;
+}
+
+void write_removals(Line& line, const EstimateRecord& e, const Counts& counts) {
+  if (!e.is_ok()) {
+    line << "" << 0 << counts.outliers;
+    return;
+  }
+  line << fmt::format("{}", fmt::join(e.removed, ";")) << e.false_removals << e.missed_outliers;
+}
+
+std::string row(const Condition& condition, const std::set<std::string>& keys,
+                const TrialRecord& trial, const Counts& counts, const EstimateRecord& estimate) {
+  Line line;
+  line << trial.trial << condition.label;
+  for (const std::string& key : keys) {
+    const auto value = condition.values.find(key);
+    value != condition.values.end() ? line << value->second : line << "";
+  }
+  line << estimate.solver << estimate.status;
+  write_errors(line, estimate);
+  write_removals(line, estimate, counts);
+  line << counts.found << counts.outliers;
+  estimate.is_ok() ? line << estimate.cam_from_target : line.empty_fields(kPose.size());
+  line << trial.true_cam_from_target;
+  return std::move(line).end();
+}
+
+}  // namespace
+
+std::string to_csv(const Study& study, std::span<const TrialRecord> trials) {
+  std::vector<const TrialRecord*> sorted;
+  for (const TrialRecord& trial : trials) sorted.push_back(&trial);
+  std::sort(sorted.begin(), sorted.end(),
+            [](const TrialRecord* a, const TrialRecord* b) { return a->trial < b->trial; });
+
+  const std::set<std::string> keys = condition_keys(study);
+  std::string csv = header(keys);
+  for (const TrialRecord* trial : sorted) {
+    const Condition& condition = study.conditions[trial->condition];
+    const Counts counts = count_observations(*trial);
+    for (const EstimateRecord& estimate : trial->estimates) {
+      csv += row(condition, keys, *trial, counts, estimate);
+    }
+  }
+  return csv;
+}
+
+}  // namespace sightline

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The program `sightline`: reads the command line and calls what does the work.
+#include <cstdlib>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "eval/commands.h"
+#include "eval/interrupt.h"
+#include "scenes/input_error.h"
+
+namespace {
+
+constexpr int kInputErrorExit = 1;
+constexpr int kUsageExit = 2;
+constexpr int kInterruptedExit = 130;  // as shells say it
+
+std::string command_line(int argc, char** argv) {
+  std::string text = "sightline";
+  for (int i = 1; i < argc; ++i) text += fmt::format(" {}", argv[i]);
+  return text;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cv::setNumThreads(1);  // processes are the unit of parallel work
+  CLI::App app(
+      "Sightline renders meshed targets under known poses, extracts features from the images,\n"
+      "estimates the pose from them, and measures every step against the truth.");
+  app.set_version_flag("--version", SIGHTLINE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 good, 1 input error, 2 usage, 4 some trials could not be run.\n"
+      "Begin with:  sightline list    sightline study boeing-table1");
+  int exit_code = 0;
+  sightline::add_commands(app, command_line(argc, argv), exit_code);
+  try {
+    sightline::remember_interrupts();
+    app.parse(argc, argv);
+    return exit_code;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsageExit;
+  } catch (const sightline::Interrupted&) {
+    std::cerr << "\nsightline: interrupted; nothing was written\n";
+    return kInterruptedExit;
+  } catch (const std::exception& error) {
+    std::cerr << "sightline: " << error.what() << '\n';
+    return kInputErrorExit;
+  }
+}

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pose/pose.h"
+
+namespace sightline {
+
+/// What became of one feature in one trial.
+struct ObservationRecord {
+  std::string feature;
+  std::string status;       ///< "found", or why it is missing
+  bool is_visible = false;  ///< truly: on the image and not hidden by the target
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< with status "found"
+  Eigen::Vector2d true_pixel = Eigen::Vector2d::Zero();
+  double error_px = 0;      ///< with status "found"
+  bool is_outlier = false;  ///< found, and farther from the truth than the study's outlier_px
+
+  bool is_found() const { return status == "found"; }
+};
+
+/// What one solver made of one trial. Errors as the ORPE paper defines them; in a failed trial
+/// (status other than "ok") they are not meaningful, and statistics count the failure.
+struct EstimateRecord {
+  std::string solver;
+  std::string status = "ok";  ///< or why there is no pose
+  Pose cam_from_target;
+  double theta_error_deg = 0;  ///< RMS of the three attitude angles' errors
+  double t_error_percent = 0;  ///< RMS of the translation error's components over the distance
+  double geodesic_deg = 0;
+  double reprojection_rms_px = 0;    ///< of the kept observations
+  double add_m = 0;                  ///< mean distance of the vertices
+  double mssd_m = 0;                 ///< greatest distance of a vertex
+  double mspd_px = 0;                ///< greatest distance of a projected vertex
+  std::vector<std::string> removed;  ///< features judged outliers
+  int false_removals = 0;            ///< removed, but inliers
+  int missed_outliers = 0;           ///< kept, but outliers
+
+  bool is_ok() const { return status == "ok"; }
+};
+
+/// One trial: the truth, what was seen, and what each solver said.
+struct TrialRecord {
+  int64_t trial = 0;
+  int condition = 0;
+  int redraws = 0;
+  Pose true_cam_from_target;
+  Pose prior_cam_from_target;
+  std::vector<ObservationRecord> observations;
+  std::vector<EstimateRecord> estimates;  ///< in the study's order of solvers
+  /// Cramér-Rao bound of the true inliers at 1 px of noise, so that it scales with the noise that
+  /// is found; zero when they do not determine a pose.
+  double bound_geodesic_deg_per_px = 0;
+  double bound_theta_deg_per_px = 0;
+  double bound_t_percent_per_px = 0;
+};
+
+}  // namespace sightline

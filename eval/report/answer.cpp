@@ -1,0 +1,188 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The study's question and its answer in sentences, every number with its interval.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include <fmt/format.h>
+#include <kainjow/mustache.hpp>
+
+#include "eval/report/figures.h"
+#include "eval/report/means.h"
+#include "eval/report/text.h"
+#include "eval/statistics.h"
+
+namespace sightline {
+namespace {
+
+namespace mustache = kainjow::mustache;
+
+constexpr const char* kTemplate = R"html(
+{{#has_question}}<p class="question">{{question}}</p>{{/has_question}}
+<p class="lead">{{opening}}</p>
+<ul class="findings">
+{{#solvers}}
+<li><strong>{{solver}}</strong>{{#evaluation_only}} <span class="note">({{summary}}, which only an
+evaluation can know)</span>{{/evaluation_only}}: mean
+<i>θ</i> error <b>{{theta}}°</b> <span class="interval">{{theta_interval}}</span>,
+<i>T</i> error <b>{{t}}&nbsp;%</b> <span class="interval">{{t_interval}}</span>{{#has_failures}};
+{{failures}}{{/has_failures}}.{{#has_paper}}
+<span class="paper">{{paper_words}} {{paper_theta}}° and
+{{paper_t}}&nbsp;%.</span>{{/has_paper}}</li>
+{{/solvers}}
+</ul>
+{{#comparisons}}
+<p>{{.}}</p>
+{{/comparisons}}
+<p class="note">Means over all trials, each error capped at {{angle_cap}}° and {{t_cap}}&nbsp;%, a
+trial without a
+pose counting as the cap; in brackets the 95&nbsp;% bootstrap interval of the mean. <a
+href="#provenance">Definitions</a>
+stand at the end.</p>
+)html";
+
+std::string opening(const ReportInput& input) {
+  const auto trials = static_cast<int64_t>(input.trials.size());
+  const size_t conditions = input.study.conditions.size();
+  if (conditions < 2) return fmt::format("Over {}:", counted(trials, "trial"));
+  return fmt::format("Over {} in {} conditions, each weighing the same:", counted(trials, "trial"),
+                     conditions);
+}
+
+// "24 of 80 trials without a pose (too few points)".
+std::string failures(std::span<const TrialRecord> trials, const SolverMeans& means) {
+  std::set<std::string> reasons;
+  for (const TrialRecord& trial : trials) {
+    for (const EstimateRecord& estimate : trial.estimates) {
+      if (estimate.solver != means.solver || estimate.is_ok()) continue;
+      reasons.insert(words(estimate.status));
+    }
+  }
+  const std::string why = reasons.empty() ? "" : fmt::format(" ({})", fmt::join(reasons, ", "));
+  return fmt::format("{} of {} without a pose{}", means.failures, counted(means.trials, "trial"),
+                     why);
+}
+
+mustache::data solver_line(const ReportInput& input, const PoseSolver& solver) {
+  const SolverMeans means = means_over_conditions(input.study, input.summary, solver.name);
+  const MeanInterval& theta = means.theta_error_deg;
+  const MeanInterval& t = means.t_error_percent;
+  const PaperFigure paper = means.paper.value_or(PaperFigure{});
+  return mustache::object{
+      {"solver", solver_label(solver.name)},
+      {"evaluation_only", solver.evaluation_only},
+      {"summary", std::string(solver.summary)},
+      {"theta", measure(theta.mean)},
+      {"theta_interval", interval(theta.ci95, decimals_for(theta.mean))},
+      {"t", measure(t.mean)},
+      {"t_interval", interval(t.ci95, decimals_for(t.mean))},
+      {"has_failures", means.failures > 0},
+      {"failures", failures(input.trials, means)},
+      {"has_paper", means.paper.has_value()},
+      {"paper_words",
+       input.study.conditions.size() > 1 ? "The paper’s figures average" : "The paper prints"},
+      {"paper_theta", fixed(paper.theta_error_deg, 2)},
+      {"paper_t", fixed(paper.t_error_percent, 1)},
+  };
+}
+
+double capped_theta_deg(const TrialRecord& trial, std::string_view solver) {
+  for (const EstimateRecord& estimate : trial.estimates) {
+    if (estimate.solver != solver) continue;
+    // Not std::min alone: a NaN must count as the cap.
+    const bool is_below = estimate.is_ok() && estimate.theta_error_deg < kAngleCapDeg;
+    return is_below ? estimate.theta_error_deg : kAngleCapDeg;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+// The same trials through both solvers, so that what the images have in common cancels.
+std::vector<double> paired_differences_deg(std::span<const TrialRecord> trials,
+                                           std::string_view lead, std::string_view other) {
+  std::vector<double> differences;
+  for (const TrialRecord& trial : trials) {
+    const double difference = capped_theta_deg(trial, lead) - capped_theta_deg(trial, other);
+    if (!std::isnan(difference)) differences.push_back(difference);
+  }
+  return differences;
+}
+
+std::string comparison(const ReportInput& input, std::string_view lead, std::string_view other) {
+  const std::vector<double> differences = paired_differences_deg(input.trials, lead, other);
+  if (differences.size() < 2) return "";
+  double mean = 0;
+  for (const double difference : differences) {
+    mean += difference / static_cast<double>(differences.size());
+  }
+  const auto ci95 = bca_mean_interval(differences, input.study.seed,
+                                      fmt::format("report/answer/{}-{}", lead, other));
+  const bool is_clear = ci95[0] > 0 || ci95[1] < 0;
+  if (!is_clear) {
+    return fmt::format(
+        "Trial by trial, these images do not tell the θ errors of {} and {} apart: they differ by "
+        "{}° {} in the mean.",
+        solver_label(lead), solver_label(other), measure(mean), interval(ci95, decimals_for(mean)));
+  }
+  const std::array<double, 2> size = {std::min(std::abs(ci95[0]), std::abs(ci95[1])),
+                                      std::max(std::abs(ci95[0]), std::abs(ci95[1]))};
+  return fmt::format("Trial by trial, the θ error of {} is {}° {} {} than that of {} in the mean.",
+                     solver_label(lead), measure(std::abs(mean)),
+                     interval(size, decimals_for(mean)), mean < 0 ? "smaller" : "greater",
+                     solver_label(other));
+}
+
+// The least error that an unbiased estimator can have, and where that noise was found.
+std::string bound_sentence(const Summary& summary) {
+  double theta = 0;
+  double t = 0;
+  double rms = 0;
+  for (const CellObservations& cell : summary.observations) {
+    const double n = static_cast<double>(summary.observations.size());
+    theta += cell.bound_theta_deg / n;
+    t += cell.bound_t_percent / n;
+    rms += cell.inlier_rms_px / n;
+  }
+  if (!(theta > 0)) return "";
+  return fmt::format(
+      "The Cramér–Rao bound for the noise that the inliers show, {} px RMS a coordinate, is {}° "
+      "and {} % (both RMS, which lies somewhat above a mean).",
+      measure(rms), measure(theta), measure(t));
+}
+
+mustache::data comparisons(const ReportInput& input) {
+  mustache::data sentences(mustache::data::type::list);
+  const std::string lead = lead_solver(input.study);
+  for (const PoseSolver* other : input.study.solvers) {
+    if (other->evaluation_only || other->name == lead) continue;
+    const std::string sentence = comparison(input, lead, other->name);
+    if (!sentence.empty()) sentences << sentence;
+  }
+  const std::string bound = bound_sentence(input.summary);
+  if (!bound.empty()) sentences << bound;
+  return sentences;
+}
+
+}  // namespace
+
+std::string answer_figure(const ReportInput& input) {
+  mustache::data solvers(mustache::data::type::list);
+  for (const PoseSolver* solver : input.study.solvers) {
+    solvers << solver_line(input, *solver);
+  }
+  return mustache::mustache(kTemplate).render(mustache::object{
+      {"has_question", !input.study.question.empty()},
+      {"question", input.study.question},
+      {"opening", opening(input)},
+      {"solvers", solvers},
+      {"comparisons", comparisons(input)},
+      {"angle_cap", fmt::to_string(kAngleCapDeg)},
+      {"t_cap", fmt::to_string(kTranslationCapPercent)},
+  });
+}
+
+}  // namespace sightline

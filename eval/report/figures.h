@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+#include "eval/report/report.h"
+
+namespace sightline {
+
+/// The functions in the catalogue of report figures, one a file in this folder.
+std::string answer_figure(const ReportInput& input);
+std::string table_figure(const ReportInput& input);
+std::string extraction_figure(const ReportInput& input);
+std::string frames_figure(const ReportInput& input);
+std::string provenance_figure(const ReportInput& input);
+
+}  // namespace sightline

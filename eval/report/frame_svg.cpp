@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/report/frame_svg.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "eval/report/text.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kFoundRadiusPx = 3;
+constexpr double kRemovedRadiusPx = 4.2;
+constexpr double kTruthArmPx = 2;
+constexpr double kCornerArmPx = 1.2;
+constexpr int kDecimals = 2;  // a hundredth of a pixel
+
+// Hundredths without trailing zeros: most of a report's bytes are such numbers.
+std::string px(double value) {
+  std::string text = fmt::format("{:.{}f}", value, kDecimals);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text == "-0" ? "0" : text;
+}
+
+std::string base64(const std::vector<uint8_t>& bytes) {
+  constexpr std::string_view kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    const size_t count = std::min<size_t>(3, bytes.size() - i);
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? bytes[i + k] : 0);
+    for (size_t k = 0; k < 4; ++k) {
+      text += k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
+    }
+  }
+  return text;
+}
+
+cv::Mat as_8_bit(const cv::Mat& image, int bits) {
+  if (image.depth() == CV_8U) return image;
+  cv::Mat grey;
+  image.convertTo(grey, CV_8U, 255.0 / ((1 << bits) - 1));
+  return grey;
+}
+
+// A mark on a dark line, to be seen on white paint and on the night sky.
+std::string mark(std::string_view layer, std::string_view path, std::string_view title) {
+  return fmt::format(R"svg(<g class="layer-{0} {0}"><title>{2}</title>)svg"
+                     R"svg(<path class="halo" d="{1}"/><path d="{1}"/></g>)svg",
+                     layer, path, escape_html(title));
+}
+
+std::string circle(const Eigen::Vector2d& centre, double radius) {
+  return fmt::format("M{0} {1}a{2} {2} 0 1 0 {3} 0a{2} {2} 0 1 0 -{3} 0", px(centre.x() - radius),
+                     px(centre.y()), px(radius), px(2 * radius));
+}
+
+std::string stroke(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  return fmt::format("M{} {}L{} {}", px(from.x()), px(from.y()), px(to.x()), px(to.y()));
+}
+
+std::string diagonal_cross(const Eigen::Vector2d& centre, double arm) {
+  const Eigen::Vector2d down(arm, arm);
+  const Eigen::Vector2d up(arm, -arm);
+  return stroke(centre - down, centre + down) + stroke(centre - up, centre + up);
+}
+
+std::string upright_cross(const Eigen::Vector2d& centre, double arm) {
+  const Eigen::Vector2d across(arm, 0);
+  const Eigen::Vector2d along(0, arm);
+  return stroke(centre - across, centre + across) + stroke(centre - along, centre + along);
+}
+
+// The part of a straight line inside a window (Liang and Barsky 1984).
+std::optional<std::pair<Eigen::Vector2d, Eigen::Vector2d>> clipped(const ImageLine& line,
+                                                                   const cv::Rect& window) {
+  const Eigen::Vector2d low(window.x - 0.5, window.y - 0.5);
+  const Eigen::Vector2d high = low + Eigen::Vector2d(window.width, window.height);
+  double begin = -1e9;
+  double end = 1e9;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double slope = line.direction[axis];
+    if (slope == 0) {
+      if (line.point[axis] < low[axis] || line.point[axis] > high[axis]) return std::nullopt;
+      continue;
+    }
+    const double a = (low[axis] - line.point[axis]) / slope;
+    const double b = (high[axis] - line.point[axis]) / slope;
+    begin = std::max(begin, std::min(a, b));
+    end = std::min(end, std::max(a, b));
+  }
+  if (begin >= end) return std::nullopt;
+  return std::pair(Eigen::Vector2d(line.point + begin * line.direction),
+                   Eigen::Vector2d(line.point + end * line.direction));
+}
+
+std::string window_mark(const cv::Rect& window) {
+  return fmt::format(
+      R"svg(<rect class="layer-windows windows" x="{}" y="{}" width="{}" height="{}"/>)svg",
+      px(window.x - 0.5), px(window.y - 0.5), window.width, window.height);
+}
+
+// Dots of one path: strokes of no length with round caps.
+std::string edge_pixel_marks(const std::vector<ImageLine>& lines) {
+  std::string path;
+  for (const ImageLine& line : lines) {
+    for (const Eigen::Vector2d& pixel : line.edge_pixels) {
+      path += fmt::format("M{} {}h0", px(pixel.x()), px(pixel.y()));
+    }
+  }
+  if (path.empty()) return "";
+  return fmt::format(R"svg(<path class="layer-edges edges" d="{}"/>)svg", path);
+}
+
+std::string corner_marks(const std::vector<Eigen::Vector2d>& corners) {
+  std::string path;
+  for (const Eigen::Vector2d& corner : corners) path += upright_cross(corner, kCornerArmPx);
+  if (path.empty()) return "";
+  return fmt::format(R"svg(<path class="layer-edges corners" d="{}"/>)svg", path);
+}
+
+std::string line_marks(const std::vector<ImageLine>& lines, const cv::Rect& window) {
+  std::string path;
+  for (const ImageLine& line : lines) {
+    const auto ends = clipped(line, window);
+    if (ends) path += stroke(ends->first, ends->second);
+  }
+  if (path.empty()) return "";
+  return fmt::format(R"svg(<path class="layer-lines lines" d="{}"/>)svg", path);
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+std::string removed_mark(const ObservationRecord& record,
+                         const std::vector<std::string>& removers) {
+  const Eigen::Vector2d slash(kRemovedRadiusPx, -kRemovedRadiusPx);
+  const std::string path =
+      circle(record.pixel, kRemovedRadiusPx) + stroke(record.pixel - slash, record.pixel + slash);
+  return mark("removed", path, fmt::format("{}: removed by {}", record.feature, joined(removers)));
+}
+
+}  // namespace
+
+std::string png_data_url(const cv::Mat& image, int bits) {
+  std::vector<uint8_t> png;
+  cv::imencode(".png", as_8_bit(image, bits), png);
+  return "data:image/png;base64," + base64(png);
+}
+
+std::string feature_marks(const Observation& observation, const ObservationRecord& record,
+                          const std::vector<std::string>& removers) {
+  std::string svg;
+  if (!observation.window.empty()) svg += window_mark(observation.window);
+  svg += line_marks(observation.lines, observation.window);
+  svg += edge_pixel_marks(observation.lines);
+  svg += corner_marks(observation.corners);
+  if (record.is_visible) {
+    svg += mark("truth", diagonal_cross(record.true_pixel, kTruthArmPx),
+                record.feature + ": true position");
+  }
+  if (!record.is_found()) return svg;
+  svg += mark(
+      "found", circle(record.pixel, kFoundRadiusPx),
+      fmt::format("{}: found, {} px from the truth", record.feature, measure(record.error_px)));
+  if (!removers.empty()) svg += removed_mark(record, removers);
+  return svg;
+}
+
+std::string outline_path(const Outline& outline) {
+  std::string path;
+  for (const std::vector<Eigen::Vector2d>& polygon : outline) {
+    for (size_t i = 0; i < polygon.size(); ++i) {
+      path += fmt::format("{}{} {}", i == 0 ? 'M' : 'L', px(polygon[i].x()), px(polygon[i].y()));
+    }
+    path += 'Z';
+  }
+  return path;
+}
+
+std::string view_box(const cv::Rect& pixels) {
+  return fmt::format("{} {} {} {}", px(pixels.x - 0.5), px(pixels.y - 0.5), pixels.width,
+                     pixels.height);
+}
+
+}  // namespace sightline

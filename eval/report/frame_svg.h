@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "eval/records.h"
+#include "eval/report/report.h"
+#include "features/observation.h"
+
+namespace sightline {
+
+// Pieces of SVG in the pixel coordinates of an image: one unit a pixel, pixel centres at integers.
+// Every piece carries the class layer-<name> of its layer, by which the legend switches it off.
+
+/// An image as a PNG in a data: URL; one of more than 8 bits is brought to 8 by its `bits`.
+std::string png_data_url(const cv::Mat& image, int bits);
+
+/// All that is drawn for one feature: window, edge pixels, lines, corners, truth, what was found.
+/// `removers` names the solvers that judged it an outlier (their labels).
+std::string feature_marks(const Observation& observation, const ObservationRecord& record,
+                          const std::vector<std::string>& removers);
+
+/// Closed polygons as the data of a path.
+std::string outline_path(const Outline& outline);
+
+/// The viewBox that shows exactly these pixels.
+std::string view_box(const cv::Rect& pixels);
+
+}  // namespace sightline

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "eval/study.h"
+#include "eval/summary.h"
+
+namespace sightline {
+
+/// The solver that a report is about: ORPE where it takes part, else the first that needs no truth;
+/// empty where there is none.
+std::string lead_solver(const Study& study);
+
+struct MeanInterval {
+  double mean = 0;
+  std::array<double, 2> ci95{};
+};
+
+/// One solver over all conditions of a study, each condition weighing the same: what the paper's
+/// text calls its average.
+struct SolverMeans {
+  std::string solver;
+  int trials = 0;
+  int failures = 0;
+  MeanInterval theta_error_deg;
+  MeanInterval t_error_percent;
+  std::optional<PaperFigure> paper;  ///< where the paper prints a figure for every condition
+};
+
+/// The means over the conditions that the summary has of this solver. The conditions' trials are
+/// independent, so that the half-widths of their intervals add as squares.
+SolverMeans means_over_conditions(const Study& study, const Summary& summary,
+                                  std::string_view solver);
+
+/// The figure that the paper prints for a solver in a condition, or null.
+const PaperFigure* paper_figure(const Condition& condition, std::string_view solver);
+
+/// True when the paper prints a figure for any cell of the study.
+bool has_paper_figures(const Study& study);
+
+/// What the summary says of a cell; null where no trial of it was run.
+const CellSummary* find_cell(const Summary& summary, int condition, std::string_view solver);
+const CellObservations* find_observations(const Summary& summary, int condition);
+
+}  // namespace sightline

@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Where the numbers come from, how to get them again, and what the words mean.
+#include <fmt/format.h>
+#include <kainjow/mustache.hpp>
+
+#include "eval/report/figures.h"
+#include "eval/report/text.h"
+
+namespace sightline {
+namespace {
+
+namespace mustache = kainjow::mustache;
+
+constexpr const char* kTemplate = R"html(
+<h3>This run</h3>
+<dl class="facts">
+{{#facts}}<dt>{{key}}</dt><dd>{{value}}</dd>
+{{/facts}}
+</dl>
+<h3>To repeat it</h3>
+<pre><code>{{repeat}}</code></pre>
+<p>Every trial depends on the study, the seed and its own number alone, so that the number of
+processes,
+shards and interruptions does not matter. On one machine results.csv and summary.json repeat byte
+for byte; on
+another type of processor the images may differ in the last grey level.</p>
+<h3>Conventions</h3>
+<ul>
+<li>Camera: <i>x</i> right, <i>y</i> down, <i>z</i> forward. Pixel centres lie at integer
+coordinates: (0, 0)
+is the centre of the top-left pixel.</li>
+<li>A pose takes points of the target to the camera: x<sub>cam</sub> = R x<sub>target</sub> + T,
+metres.</li>
+<li>Attitude <i>θ</i> = (pitch, yaw, roll) about <i>x</i>, <i>y</i>, <i>z</i>:
+R = R<sub>z</sub>(roll) R<sub>y</sub>(yaw) R<sub>x</sub>(pitch), degrees. The ORPE paper prints no
+order; this
+one is ours.</li>
+</ul>
+<h3>Definitions</h3>
+<ul>
+<li><i>θ</i> error: root mean square of the three attitude angles’ errors, as the ORPE paper
+defines it.
+Near yaw = ±90° it is meaningless; the geodesic angle is not.</li>
+<li><i>T</i> error: root mean square of the three components of the translation’s error, over the
+imaging
+distance |T|, as the ORPE paper defines it.</li>
+<li>Geodesic error: the angle of the one rotation that takes the estimated attitude to the true
+one.</li>
+<li>Reprojection RMS: of the features a solver kept, from where its pose projects them.</li>
+<li>Outlier: a feature found farther than {{outlier_px}} px from where it truly is. Solvers are not
+told
+(the oracle is, which is why it serves for evaluation only).</li>
+<li>Cramér–Rao bound: the least RMS error an unbiased estimator can have on the true inliers, at
+the noise that
+they show.</li>
+<li>Failures never leave the denominator: means and RMS run over all trials with each error capped
+at
+{{angle_cap}}° and {{t_cap}} %, a failed trial counting as the cap; medians and percentiles count
+it as infinite.</li>
+<li>Intervals: 95 %, of the mean, by the bias-corrected and accelerated bootstrap. The mean over
+conditions adds
+their half-widths as squares.</li>
+</ul>
+<h3>The study as it was run</h3>
+<details>
+<summary>study.toml</summary>
+<pre><code>{{toml}}</code></pre>
+</details>
+)html";
+
+// First what a reader asks first; whatever else the manifest holds comes after.
+constexpr const char* kFirstKeys[] = {"version", "command", "seed", "machine"};
+
+void add_fact(mustache::data& facts, const std::string& key, const std::string& value) {
+  facts << mustache::object{{"key", key}, {"value", value}};
+}
+
+int64_t redraws(std::span<const TrialRecord> trials) {
+  int64_t sum = 0;
+  for (const TrialRecord& trial : trials) sum += trial.redraws;
+  return sum;
+}
+
+mustache::data facts_of(const ReportInput& input) {
+  mustache::data facts(mustache::data::type::list);
+  std::map<std::string, std::string> rest = input.meta;
+  rest["seed"] = fmt::to_string(input.study.seed);
+  add_fact(facts, "study", input.study.name);
+  for (const char* key : kFirstKeys) {
+    const auto found = rest.find(key);
+    if (found == rest.end()) continue;
+    add_fact(facts, key, found->second);
+    rest.erase(found);
+  }
+  for (const char* key : {"study", "trials"}) rest.erase(key);  // stated from the study itself
+  add_fact(facts, "trials", fmt::to_string(input.trials.size()));
+  add_fact(facts, "poses drawn anew", fmt::to_string(redraws(input.trials)));
+  for (const auto& [key, value] : rest) add_fact(facts, words(key), value);
+  return facts;
+}
+
+std::string repeat_command(const ReportInput& input) {
+  return fmt::format(
+      "sightline study {} --seed {} --trials {}\n"
+      "# or, with everything as below: sightline study study.toml",
+      input.study.name, input.study.seed, input.study.draws);
+}
+
+}  // namespace
+
+std::string provenance_figure(const ReportInput& input) {
+  return mustache::mustache(kTemplate).render(mustache::object{
+      {"facts", facts_of(input)},
+      {"repeat", repeat_command(input)},
+      {"outlier_px", fmt::to_string(input.study.outlier_px)},
+      {"angle_cap", fmt::to_string(kAngleCapDeg)},
+      {"t_cap", fmt::to_string(kTranslationCapPercent)},
+      {"toml", input.study.toml},
+  });
+}
+
+}  // namespace sightline

@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/report/report.h"
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+#include <kainjow/mustache.hpp>
+
+#include "eval/report/figures.h"
+#include "eval/report/text.h"
+#include "scenes/assets.h"
+#include "scenes/input_error.h"
+
+namespace sightline {
+namespace {
+
+namespace mustache = kainjow::mustache;
+
+// In the order of the page.
+constexpr std::array kFigures = {
+    ReportFigure{"answer", "Answer", answer_figure},
+    ReportFigure{"table", "Pose errors", table_figure},
+    ReportFigure{"extraction", "Feature extraction", extraction_figure},
+    ReportFigure{"frames", "Frames", frames_figure},
+    ReportFigure{"provenance", "Provenance and definitions", provenance_figure},
+};
+
+std::filesystem::path page_file(const std::string& name) {
+  return assets_folder() / "report" / name;
+}
+
+std::string read_page_file(const std::string& name) {
+  std::ifstream file(page_file(name), std::ios::binary);
+  if (!file) {
+    throw InputError(
+        fmt::format("{}: cannot read this part of the report's page (it comes with "
+                    "the program; the variable SIGHTLINE_ASSETS moves the folder)",
+                    page_file(name).string()));
+  }
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+mustache::data figure_sections(const ReportInput& input) {
+  mustache::data sections(mustache::data::type::list);
+  for (const ReportFigure& figure : report_figures()) {
+    const std::string html = figure.html(input);
+    if (html.empty()) continue;
+    sections << mustache::object{
+        {"name", std::string(figure.name)}, {"title", std::string(figure.title)}, {"html", html}};
+  }
+  return sections;
+}
+
+std::string version(const ReportInput& input) {
+  const auto found = input.meta.find("version");
+  return found == input.meta.end() ? "" : found->second;
+}
+
+}  // namespace
+
+std::span<const ReportFigure> report_figures() {
+  return kFigures;
+}
+
+std::string render_report(const ReportInput& input) {
+  mustache::mustache page(read_page_file("page.html"));
+  if (!page.is_valid()) {
+    throw InputError(fmt::format("{}: {}", page_file("page.html").string(), page.error_message()));
+  }
+  const Study& study = input.study;
+  return page.render(mustache::object{
+      {"css", read_page_file("page.css")},
+      {"js", read_page_file("page.js")},
+      {"title", study.title.empty() ? study.name : study.title},
+      {"study", study.name},
+      {"has_reference", !study.reference.empty()},
+      {"reference", study.reference},
+      {"trials", counted(static_cast<int64_t>(input.trials.size()), "trial")},
+      {"seed", fmt::to_string(study.seed)},
+      {"has_version", !version(input).empty()},
+      {"version", version(input)},
+      {"figures", figure_sections(input)},
+  });
+}
+
+}  // namespace sightline

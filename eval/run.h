@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "eval/shard.h"
+#include "eval/study.h"
+#include "eval/summary.h"
+
+namespace sightline {
+
+struct RunOptions {
+  std::filesystem::path out;  ///< must not exist, or be an empty folder
+  int jobs = 1;
+  Shard shard;
+  bool show_progress = true;
+  std::string command;  ///< as typed, for the manifest
+};
+
+struct RunResult {
+  Summary summary;
+  int64_t trials = 0;
+  int64_t failed_trials = 0;  ///< that could not be imaged at all
+};
+
+/// Runs a study and leaves its folder: study.toml, manifest.json, results.sqlite, results.csv,
+/// summary.json, report.html. With jobs > 1 that many processes do a share each. Everything is
+/// written beside `out` first and takes its name at the end: on failure nothing is left.
+/// Throws InputError when the folder cannot be written.
+RunResult run_study(const Study& study, const RunOptions& options);
+
+/// Joins the folders of shards into one, as if one process had run the study. Throws InputError for
+/// shards of different studies, versions or counts, and for missing and double shards.
+RunResult merge_runs(const std::vector<std::filesystem::path>& shards,
+                     const std::filesystem::path& out, const std::string& command);
+
+/// Writes a run's results.csv, summary.json and report.html anew from its results.sqlite.
+RunResult rewrite_report(const std::filesystem::path& folder);
+
+}  // namespace sightline

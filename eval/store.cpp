@@ -1,0 +1,365 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/store.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "scenes/input_error.h"
+
+namespace sightline {
+namespace {
+
+// The schema. Columns of doubles have no type on purpose: SQLite writes them as they are, while in
+// a column of type REAL it turns -0 into 0. NaN becomes NULL, which reads as NaN. Poses are
+// cam_from_target: the rotation's rows, since a quaternion would lose bits, and the translation in
+// metres. `position` is the place in the trial's list. `removed` is a JSON array of features. Other
+// columns are named as the members of the records (records.h) with the same meaning.
+constexpr int kApplicationId = 0x53474854;  // "SGHT"
+constexpr int kSchemaVersion = 1;
+constexpr const char* kSchema = R"sql(
+CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
+
+CREATE TABLE trials (
+  trial INTEGER PRIMARY KEY, condition INTEGER NOT NULL, redraws INTEGER NOT NULL,
+  true_r00, true_r01, true_r02, true_r10, true_r11, true_r12, true_r20, true_r21, true_r22,
+  true_tx_m, true_ty_m, true_tz_m,
+  prior_r00, prior_r01, prior_r02, prior_r10, prior_r11, prior_r12, prior_r20, prior_r21, prior_r22,
+  prior_tx_m, prior_ty_m, prior_tz_m,
+  bound_geodesic_deg_per_px, bound_theta_deg_per_px, bound_t_percent_per_px
+);
+
+CREATE TABLE observations (
+  trial INTEGER NOT NULL REFERENCES trials, position INTEGER NOT NULL,
+  feature TEXT NOT NULL, status TEXT NOT NULL, is_visible INTEGER NOT NULL,
+  pixel_u, pixel_v, true_pixel_u, true_pixel_v, error_px, is_outlier INTEGER NOT NULL,
+  PRIMARY KEY (trial, position)
+) WITHOUT ROWID;
+
+CREATE TABLE estimates (
+  trial INTEGER NOT NULL REFERENCES trials, position INTEGER NOT NULL,
+  solver TEXT NOT NULL, status TEXT NOT NULL,
+  r00, r01, r02, r10, r11, r12, r20, r21, r22, tx_m, ty_m, tz_m,
+  theta_error_deg, t_error_percent, geodesic_deg, reprojection_rms_px, add_m, mssd_m, mspd_px,
+  removed TEXT NOT NULL, false_removals INTEGER NOT NULL, missed_outliers INTEGER NOT NULL,
+  PRIMARY KEY (trial, position)
+) WITHOUT ROWID;
+)sql";
+
+// Primary result codes of SQLite, whose header stays out of sight as SQLiteCpp does.
+constexpr int kSqliteConstraint = 19;
+constexpr int kSqliteNotADatabase = 26;
+
+// Writes the columns of a row from left to right.
+class RowWriter {
+ public:
+  RowWriter(const SQLite::Database& database, const std::string& table, int columns)
+      : insert_(database, insert_into(table, columns)) {}
+
+  template <typename Value>
+  RowWriter& operator<<(const Value& value) {
+    insert_.bind(++column_, value);
+    return *this;
+  }
+
+  RowWriter& operator<<(const Eigen::Vector2d& v) { return *this << v.x() << v.y(); }
+
+  RowWriter& operator<<(const Pose& pose) {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) *this << pose.rotation(row, column);
+    }
+    return *this << pose.translation.x() << pose.translation.y() << pose.translation.z();
+  }
+
+  void end_row() {
+    insert_.exec();
+    insert_.reset();
+    column_ = 0;
+  }
+
+ private:
+  static std::string insert_into(const std::string& table, int columns) {
+    std::string values = "?";
+    for (int i = 1; i < columns; ++i) values += ",?";
+    return fmt::format("INSERT INTO {} VALUES ({})", table, values);
+  }
+
+  SQLite::Statement insert_;
+  int column_ = 0;
+};
+
+// Reads the rows of a table in the order of `order`, and the columns of a row from left to right.
+class RowReader {
+ public:
+  RowReader(const SQLite::Database& database, const std::string& table, const std::string& order)
+      : select_(database, fmt::format("SELECT * FROM {} ORDER BY {}", table, order)) {}
+
+  bool next_row() {
+    column_ = 0;
+    return select_.executeStep();
+  }
+
+  RowReader& operator>>(int64_t& value) {
+    value = next_column().getInt64();
+    return *this;
+  }
+  RowReader& operator>>(int& value) {
+    value = next_column().getInt();
+    return *this;
+  }
+  RowReader& operator>>(bool& value) {
+    value = next_column().getInt() != 0;
+    return *this;
+  }
+  RowReader& operator>>(double& value) {
+    const SQLite::Column column = next_column();
+    value = column.isNull() ? std::numeric_limits<double>::quiet_NaN() : column.getDouble();
+    return *this;
+  }
+  RowReader& operator>>(std::string& value) {
+    value = next_column().getString();
+    return *this;
+  }
+  RowReader& operator>>(Eigen::Vector2d& v) { return *this >> v.x() >> v.y(); }
+  RowReader& operator>>(Pose& pose) {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) *this >> pose.rotation(row, column);
+    }
+    return *this >> pose.translation.x() >> pose.translation.y() >> pose.translation.z();
+  }
+
+ private:
+  SQLite::Column next_column() { return select_.getColumn(column_++); }
+
+  SQLite::Statement select_;
+  int column_ = 0;
+};
+
+// Three prepared inserts, to be used within one transaction.
+class TrialWriter {
+ public:
+  explicit TrialWriter(const SQLite::Database& database)
+      : trials_(database, "trials", 30),
+        observations_(database, "observations", 11),
+        estimates_(database, "estimates", 26) {}
+
+  void write_trial(const TrialRecord& record) {
+    trials_ << record.trial << record.condition << record.redraws << record.true_cam_from_target
+            << record.prior_cam_from_target << record.bound_geodesic_deg_per_px
+            << record.bound_theta_deg_per_px << record.bound_t_percent_per_px;
+    trials_.end_row();
+  }
+
+  void write_observations(const TrialRecord& record) {
+    int position = 0;
+    for (const ObservationRecord& o : record.observations) {
+      observations_ << record.trial << position++ << o.feature << o.status << o.is_visible
+                    << o.pixel << o.true_pixel << o.error_px << o.is_outlier;
+      observations_.end_row();
+    }
+  }
+
+  void write_estimates(const TrialRecord& record) {
+    int position = 0;
+    for (const EstimateRecord& e : record.estimates) {
+      estimates_ << record.trial << position++ << e.solver << e.status << e.cam_from_target
+                 << e.theta_error_deg << e.t_error_percent << e.geodesic_deg
+                 << e.reprojection_rms_px << e.add_m << e.mssd_m << e.mspd_px
+                 << nlohmann::json(e.removed).dump() << e.false_removals << e.missed_outliers;
+      estimates_.end_row();
+    }
+  }
+
+ private:
+  RowWriter trials_;
+  RowWriter observations_;
+  RowWriter estimates_;
+};
+
+std::vector<TrialRecord> read_trials(const SQLite::Database& database) {
+  std::vector<TrialRecord> records;
+  RowReader rows(database, "trials", "trial");
+  while (rows.next_row()) {
+    TrialRecord& record = records.emplace_back();
+    rows >> record.trial >> record.condition >> record.redraws >> record.true_cam_from_target >>
+        record.prior_cam_from_target >> record.bound_geodesic_deg_per_px >>
+        record.bound_theta_deg_per_px >> record.bound_t_percent_per_px;
+  }
+  return records;
+}
+
+// Goes through a table that has rows of many trials, and hands each row to its trial: both are
+// ordered by the trial's number, so one pass does.
+template <typename ReadRow>
+void read_into(const SQLite::Database& database, const std::string& table,
+               std::vector<TrialRecord>& records, const ReadRow& read_row) {
+  RowReader rows(database, table, "trial, position");
+  auto record = records.begin();
+  while (rows.next_row()) {
+    int64_t trial = 0;
+    int position = 0;
+    rows >> trial >> position;
+    while (record != records.end() && record->trial < trial) ++record;
+    // Foreign keys leave no row without its trial, but a file may have been edited without them.
+    if (record == records.end()) return;
+    if (record->trial == trial) read_row(rows, *record);
+  }
+}
+
+void read_observation(RowReader& row, TrialRecord& record) {
+  ObservationRecord& o = record.observations.emplace_back();
+  row >> o.feature >> o.status >> o.is_visible >> o.pixel >> o.true_pixel >> o.error_px >>
+      o.is_outlier;
+}
+
+void read_estimate(RowReader& row, TrialRecord& record) {
+  EstimateRecord& e = record.estimates.emplace_back();
+  std::string removed;
+  row >> e.solver >> e.status >> e.cam_from_target >> e.theta_error_deg >> e.t_error_percent >>
+      e.geodesic_deg >> e.reprojection_rms_px >> e.add_m >> e.mssd_m >> e.mspd_px >> removed >>
+      e.false_removals >> e.missed_outliers;
+  e.removed = nlohmann::json::parse(removed).get<std::vector<std::string>>();
+}
+
+// Runs `action`; what SQLite says went wrong becomes an InputError about the file.
+template <typename Action>
+auto on_file(const std::filesystem::path& file, const char* what_failed, const Action& action) {
+  try {
+    return action();
+  } catch (const SQLite::Exception& error) {
+    if (error.getErrorCode() == kSqliteNotADatabase) {
+      throw InputError(fmt::format("{}: not an SQLite file", file.string()));
+    }
+    throw InputError(fmt::format("{}: {} ({})", file.string(), what_failed, error.what()));
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(fmt::format("{}: {} ({})", file.string(), what_failed, error.what()));
+  }
+}
+
+// Makes an empty file, which is an empty SQLite database, only where there is none yet.
+void make_new_file(const std::filesystem::path& file) {
+  std::FILE* const handle = std::fopen(file.c_str(), "wx");
+  if (handle == nullptr) {
+    const int reason = errno;
+    if (reason == EEXIST) {
+      throw InputError(fmt::format("{}: exists already; name a new file", file.string()));
+    }
+    throw InputError(fmt::format("{}: cannot be created ({})", file.string(), strerror(reason)));
+  }
+  std::fclose(handle);
+}
+
+void write_schema(SQLite::Database& database, const std::map<std::string, std::string>& meta) {
+  SQLite::Transaction transaction(database);
+  database.exec(kSchema);
+  database.exec(fmt::format("PRAGMA application_id = {}", kApplicationId));
+  database.exec(fmt::format("PRAGMA user_version = {}", kSchemaVersion));
+  RowWriter rows(database, "meta", 2);
+  for (const auto& [key, value] : meta) {
+    rows << key << value;
+    rows.end_row();
+  }
+  transaction.commit();
+}
+
+void check_version(SQLite::Database& database, const std::filesystem::path& file) {
+  if (database.execAndGet("PRAGMA application_id").getInt() != kApplicationId) {
+    throw InputError(fmt::format("{}: an SQLite file, but not one of sightline's", file.string()));
+  }
+  const int version = database.execAndGet("PRAGMA user_version").getInt();
+  if (version == kSchemaVersion) return;
+  throw InputError(fmt::format("{}: results of version {}; this program reads version {}",
+                               file.string(), version, kSchemaVersion));
+}
+
+}  // namespace
+
+struct Store::Impl {
+  // The default journal is named because the faster one (WAL) breaks on network file systems.
+  explicit Impl(std::filesystem::path path)
+      : file(std::move(path)), database(file.string(), SQLite::OPEN_READWRITE) {
+    database.exec("PRAGMA journal_mode = DELETE");
+    database.exec("PRAGMA foreign_keys = ON");
+  }
+
+  std::filesystem::path file;
+  SQLite::Database database;
+};
+
+Store::Store(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Store::Store(Store&&) noexcept = default;
+Store& Store::operator=(Store&&) noexcept = default;
+Store::~Store() = default;
+
+Store Store::create(const std::filesystem::path& file,
+                    const std::map<std::string, std::string>& meta) {
+  make_new_file(file);
+  return on_file(file, "cannot be written", [&] {
+    auto impl = std::make_unique<Impl>(file);
+    write_schema(impl->database, meta);
+    return Store(std::move(impl));
+  });
+}
+
+Store Store::open(const std::filesystem::path& file) {
+  if (!std::filesystem::is_regular_file(file)) {
+    const bool exists = std::filesystem::exists(file);
+    throw InputError(fmt::format("{}: {}", file.string(), exists ? "not a file" : "no such file"));
+  }
+  return on_file(file, "cannot be read", [&] {
+    auto impl = std::make_unique<Impl>(file);
+    check_version(impl->database, file);
+    return Store(std::move(impl));
+  });
+}
+
+void Store::add(std::span<const TrialRecord> trials) {
+  on_file(impl_->file, "cannot be written", [&] {
+    SQLite::Transaction transaction(impl_->database);
+    TrialWriter writer(impl_->database);
+    for (const TrialRecord& record : trials) {
+      try {
+        writer.write_trial(record);
+      } catch (const SQLite::Exception& error) {
+        if (error.getErrorCode() != kSqliteConstraint) throw;
+        throw InputError(
+            fmt::format("{}: holds trial {} already", impl_->file.string(), record.trial));
+      }
+      writer.write_observations(record);
+      writer.write_estimates(record);
+    }
+    transaction.commit();
+  });
+}
+
+std::vector<TrialRecord> Store::trials() const {
+  return on_file(impl_->file, "cannot be read", [&] {
+    std::vector<TrialRecord> records = read_trials(impl_->database);
+    read_into(impl_->database, "observations", records, read_observation);
+    read_into(impl_->database, "estimates", records, read_estimate);
+    return records;
+  });
+}
+
+std::map<std::string, std::string> Store::meta() const {
+  return on_file(impl_->file, "cannot be read", [&] {
+    std::map<std::string, std::string> meta;
+    RowReader rows(impl_->database, "meta", "key");
+    while (rows.next_row()) {
+      std::string key;
+      std::string value;
+      rows >> key >> value;
+      meta[key] = value;
+    }
+    return meta;
+  });
+}
+
+}  // namespace sightline

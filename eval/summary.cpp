@@ -1,0 +1,294 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace sightline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Trials = std::vector<const TrialRecord*>;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr std::string_view kOracle = "oracle";
+
+// A sum of squares that knows how many it holds.
+struct MeanSquare {
+  double sum = 0;
+  int count = 0;
+
+  void add(double value) {
+    sum += value * value;
+    ++count;
+  }
+  double root() const { return count > 0 ? std::sqrt(sum / count) : kNoNumber; }
+};
+
+double ratio(double a, double b) {
+  return b > 0 ? a / b : kNoNumber;
+}
+
+// The trials of a condition by their number, so that sums do not depend on the order of shards.
+Trials trials_of(std::span<const TrialRecord> trials, int condition) {
+  Trials chosen;
+  for (const TrialRecord& trial : trials) {
+    if (trial.condition == condition) chosen.push_back(&trial);
+  }
+  std::sort(chosen.begin(), chosen.end(),
+            [](const TrialRecord* a, const TrialRecord* b) { return a->trial < b->trial; });
+  return chosen;
+}
+
+int outliers_in(const TrialRecord& trial) {
+  return static_cast<int>(std::count_if(trial.observations.begin(), trial.observations.end(),
+                                        [](const ObservationRecord& o) { return o.is_outlier; }));
+}
+
+// The solver's estimate of a trial; null when it failed or is not there.
+const EstimateRecord* pose_of(const TrialRecord& trial, std::string_view solver) {
+  for (const EstimateRecord& estimate : trial.estimates) {
+    if (estimate.solver == solver) return estimate.is_ok() ? &estimate : nullptr;
+  }
+  return nullptr;
+}
+
+// The found inliers' error in one coordinate, when a feature's name is given of that feature alone.
+MeanSquare inlier_error(const Trials& trials, const std::string* feature = nullptr) {
+  MeanSquare error;
+  for (const TrialRecord* trial : trials) {
+    for (const ObservationRecord& o : trial->observations) {
+      if (feature != nullptr && o.feature != *feature) continue;
+      if (o.is_found() && !o.is_outlier) error.add(o.error_px / std::sqrt(2.0));
+    }
+  }
+  return error;
+}
+
+CellObservations summarise_observations(const Trials& trials, int condition) {
+  CellObservations cell;
+  cell.condition = condition;
+  cell.trials = static_cast<int>(trials.size());
+  cell.inlier_rms_px = inlier_error(trials).root();
+  int found = 0;
+  int outliers = 0;
+  MeanSquare theta, t, geodesic;
+  for (const TrialRecord* trial : trials) {
+    for (const ObservationRecord& o : trial->observations) found += o.is_found();
+    outliers += outliers_in(*trial);
+    if (!(trial->bound_geodesic_deg_per_px > 0)) continue;
+    theta.add(trial->bound_theta_deg_per_px);
+    t.add(trial->bound_t_percent_per_px);
+    geodesic.add(trial->bound_geodesic_deg_per_px);
+  }
+  if (cell.trials > 0) {
+    cell.found = static_cast<double>(found) / cell.trials;
+    cell.outliers = static_cast<double>(outliers) / cell.trials;
+  }
+  cell.bound_theta_deg = theta.root() * cell.inlier_rms_px;
+  cell.bound_t_percent = t.root() * cell.inlier_rms_px;
+  cell.bound_geodesic_deg = geodesic.root() * cell.inlier_rms_px;
+  return cell;
+}
+
+// Every trial that was imaged has an observation of every feature, in the study's order.
+std::vector<std::string> features_in(const Trials& trials) {
+  std::vector<std::string> features;
+  for (const TrialRecord* trial : trials) {
+    for (const ObservationRecord& o : trial->observations) {
+      const bool is_known =
+          std::find(features.begin(), features.end(), o.feature) != features.end();
+      if (!is_known) features.push_back(o.feature);
+    }
+  }
+  return features;
+}
+
+FeatureSummary summarise_feature(const Trials& trials, int condition, const std::string& feature) {
+  FeatureSummary summary;
+  summary.condition = condition;
+  summary.feature = feature;
+  std::vector<double> errors_px;
+  for (const TrialRecord* trial : trials) {
+    for (const ObservationRecord& o : trial->observations) {
+      if (o.feature != feature) continue;
+      summary.visible += o.is_visible;
+      summary.outliers += o.is_outlier;
+      if (o.is_found()) errors_px.push_back(o.error_px);
+    }
+  }
+  summary.found = static_cast<int>(errors_px.size());
+  summary.inlier_rms_px = inlier_error(trials, &feature).root();
+  summary.median_px = percentile(errors_px, 0.5);
+  return summary;
+}
+
+// A solver's errors in the order of the trials, infinite where it failed.
+std::vector<double> errors_of(const Trials& trials, std::string_view solver,
+                              double EstimateRecord::*error) {
+  std::vector<double> errors;
+  for (const TrialRecord* trial : trials) {
+    const EstimateRecord* const estimate = pose_of(*trial, solver);
+    errors.push_back(estimate != nullptr ? estimate->*error : kInfinity);
+  }
+  return errors;
+}
+
+void count_removals(const Trials& trials, CellSummary& cell) {
+  int exact = 0;
+  for (const TrialRecord* trial : trials) {
+    const EstimateRecord* const estimate = pose_of(*trial, cell.solver);
+    if (estimate == nullptr) {
+      ++cell.failures;
+      cell.missed_outliers += outliers_in(*trial);
+      continue;
+    }
+    cell.false_removals += estimate->false_removals;
+    cell.missed_outliers += estimate->missed_outliers;
+    exact += estimate->false_removals == 0 && estimate->missed_outliers == 0;
+  }
+  cell.false_removals /= cell.trials;
+  cell.missed_outliers /= cell.trials;
+  cell.exact_set_rate = static_cast<double>(exact) / cell.trials;
+}
+
+CellSummary summarise_cell(const Study& study, const Trials& trials, int condition,
+                           std::string_view solver) {
+  CellSummary cell;
+  cell.condition = condition;
+  cell.solver = solver;
+  cell.trials = static_cast<int>(trials.size());
+  const auto statistics = [&](double EstimateRecord::*error, double cap, std::string_view name) {
+    const std::string stream =
+        fmt::format("bootstrap/{}/{}/{}", study.conditions[condition].label, solver, name);
+    return summarise(errors_of(trials, solver, error), cap, study.seed, stream);
+  };
+  cell.theta_error_deg =
+      statistics(&EstimateRecord::theta_error_deg, kAngleCapDeg, "theta_error_deg");
+  cell.t_error_percent =
+      statistics(&EstimateRecord::t_error_percent, kTranslationCapPercent, "t_error_percent");
+  cell.geodesic_deg = statistics(&EstimateRecord::geodesic_deg, kAngleCapDeg, "geodesic_deg");
+  if (cell.trials > 0) count_removals(trials, cell);
+  return cell;
+}
+
+// Sets the ratios of one condition's cells, which are all its solvers on the same trials.
+void set_ratios(std::span<CellSummary> cells, const CellObservations& observations) {
+  const auto oracle = std::find_if(cells.begin(), cells.end(),
+                                   [](const CellSummary& cell) { return cell.solver == kOracle; });
+  const double oracle_rms = oracle != cells.end() ? oracle->geodesic_deg.rms : kNoNumber;
+  for (CellSummary& cell : cells) {
+    cell.ratio_to_oracle = ratio(cell.geodesic_deg.rms, oracle_rms);
+    cell.ratio_to_bound = ratio(cell.geodesic_deg.rms, observations.bound_geodesic_deg);
+  }
+}
+
+// A key whose values are all whole numbers is a count or a number of a case, written as integers.
+bool is_whole(const Study& study, const std::string& key) {
+  return std::all_of(study.conditions.begin(), study.conditions.end(), [&](const Condition& c) {
+    const auto value = c.values.find(key);
+    return value == c.values.end() || value->second == std::floor(value->second);
+  });
+}
+
+Json condition_json(const Study& study, int condition) {
+  Json json = Json::object();
+  for (const auto& [key, value] : study.conditions[condition].values) {
+    if (is_whole(study, key)) {
+      json[key] = static_cast<int64_t>(value);
+    } else {
+      json[key] = value;
+    }
+  }
+  return json;
+}
+
+// The library writes numbers that are not finite as null.
+Json error_json(const ErrorSummary& error) {
+  return {{"mean", error.mean},
+          {"mean_ci95", error.mean_ci95},
+          {"median", error.median},
+          {"rms", error.rms}};
+}
+
+Json cell_json(const Study& study, const CellSummary& cell) {
+  return {{"condition", condition_json(study, cell.condition)},
+          {"solver", cell.solver},
+          {"trials", cell.trials},
+          {"failures", cell.failures},
+          {"theta_error_deg", error_json(cell.theta_error_deg)},
+          {"t_error_percent", error_json(cell.t_error_percent)},
+          {"geodesic_deg", error_json(cell.geodesic_deg)},
+          {"ratio_to_oracle", cell.ratio_to_oracle},
+          {"ratio_to_bound", cell.ratio_to_bound},
+          {"false_removals", cell.false_removals},
+          {"missed_outliers", cell.missed_outliers},
+          {"exact_set_rate", cell.exact_set_rate},
+          {"capped", cell.geodesic_deg.capped}};
+}
+
+Json observations_json(const Study& study, const CellObservations& cell) {
+  return {{"condition", condition_json(study, cell.condition)},
+          {"trials", cell.trials},
+          {"found_per_trial", cell.found},
+          {"outliers_per_trial", cell.outliers},
+          {"inlier_rms_px", cell.inlier_rms_px},
+          {"bound_theta_deg", cell.bound_theta_deg},
+          {"bound_t_percent", cell.bound_t_percent},
+          {"bound_geodesic_deg", cell.bound_geodesic_deg}};
+}
+
+Json feature_json(const Study& study, const FeatureSummary& feature) {
+  return {{"condition", condition_json(study, feature.condition)},
+          {"feature", feature.feature},
+          {"trials_visible", feature.visible},
+          {"trials_found", feature.found},
+          {"trials_outlier", feature.outliers},
+          {"inlier_rms_px", feature.inlier_rms_px},
+          {"median_error_px", feature.median_px}};
+}
+
+}  // namespace
+
+Summary summarise(const Study& study, std::span<const TrialRecord> trials) {
+  Summary summary;
+  for (int condition = 0; condition < static_cast<int>(study.conditions.size()); ++condition) {
+    const Trials of_cell = trials_of(trials, condition);
+    const CellObservations observations = summarise_observations(of_cell, condition);
+    std::vector<CellSummary> cells;
+    for (const PoseSolver* solver : study.solvers) {
+      cells.push_back(summarise_cell(study, of_cell, condition, solver->name));
+    }
+    set_ratios(cells, observations);
+    summary.cells.insert(summary.cells.end(), cells.begin(), cells.end());
+    summary.observations.push_back(observations);
+    for (const std::string& feature : features_in(of_cell)) {
+      summary.features.push_back(summarise_feature(of_cell, condition, feature));
+    }
+  }
+  return summary;
+}
+
+std::string to_json(const Study& study, const Summary& summary) {
+  Json json = {{"study", study.name}, {"seed", study.seed}};
+  json["cells"] = Json::array();
+  for (const CellSummary& cell : summary.cells) json["cells"].push_back(cell_json(study, cell));
+  json["observations"] = Json::array();
+  for (const CellObservations& cell : summary.observations) {
+    json["observations"].push_back(observations_json(study, cell));
+  }
+  json["features"] = Json::array();
+  for (const FeatureSummary& feature : summary.features) {
+    json["features"].push_back(feature_json(study, feature));
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace sightline

@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "eval/records.h"
+#include "eval/statistics.h"
+#include "eval/study.h"
+
+namespace sightline {
+
+/// Errors are capped here before means and RMS are taken.
+constexpr double kAngleCapDeg = 20;
+constexpr double kTranslationCapPercent = 20;
+
+/// One solver in one cell, over all its trials: a failed trial (or one without an estimate) counts
+/// as an infinite error, removes nothing and keeps all its outliers. Ratios and rates that do not
+/// apply are NaN (null in summary.json).
+struct CellSummary {
+  int condition = 0;
+  std::string solver;
+  int trials = 0;
+  int failures = 0;
+  ErrorSummary theta_error_deg;
+  ErrorSummary t_error_percent;
+  ErrorSummary geodesic_deg;
+  double ratio_to_oracle = 0;  ///< RMS geodesic error over the oracle's, both capped
+  double ratio_to_bound = 0;   ///< RMS geodesic error, capped, over bound_geodesic_deg
+  double false_removals = 0;   ///< inliers removed, a trial
+  double missed_outliers = 0;  ///< outliers kept, a trial
+  double exact_set_rate = 0;   ///< trials with a pose in which exactly the outliers were removed
+};
+
+/// What a cell's images gave, whatever the solver.
+struct CellObservations {
+  int condition = 0;
+  int trials = 0;
+  double found = 0;     ///< features a trial
+  double outliers = 0;  ///< a trial
+  /// Error of the found inliers, RMS of one coordinate: sqrt(mean(error_px^2) / 2). NaN without
+  /// any.
+  double inlier_rms_px = 0;
+  /// Cramér-Rao bound of the true inliers at a noise of inlier_rms_px a coordinate, RMS over the
+  /// trials that have one; NaN where none has.
+  double bound_theta_deg = 0;
+  double bound_t_percent = 0;
+  double bound_geodesic_deg = 0;
+};
+
+/// What became of one feature in one cell.
+struct FeatureSummary {
+  int condition = 0;
+  std::string feature;
+  int visible = 0;
+  int found = 0;
+  int outliers = 0;
+  double inlier_rms_px = 0;  ///< as in CellObservations
+  double median_px = 0;      ///< of the found ones' errors, outliers among them; NaN of none
+};
+
+struct Summary {
+  std::vector<CellSummary> cells;  ///< by condition, then in the study's order of solvers
+  std::vector<CellObservations> observations;  ///< by condition
+  std::vector<FeatureSummary> features;        ///< by condition, then in the study's order
+};
+
+/// The order of the trials does not matter.
+Summary summarise(const Study& study, std::span<const TrialRecord> trials);
+
+/// summary.json: the contract that other programs read; stable order; numbers read back as
+/// they were, null for NaN and infinity. "capped" counts the trials whose geodesic
+/// error is at the cap, failures among them.
+std::string to_json(const Study& study, const Summary& summary);
+
+/// results.csv: one row a trial and solver, by trial and then in the study's order; no wall times.
+/// RFC 4180 but for its line ends, which are "\n". A failed trial's numbers are empty fields, but
+/// for the removals, which count as in CellSummary. Quaternions are scalar first.
+std::string to_csv(const Study& study, std::span<const TrialRecord> trials);
+
+}  // namespace sightline

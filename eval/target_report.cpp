@@ -1,0 +1,142 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/target_report.h"
+
+#include <algorithm>
+#include <numbers>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "pose/attitude.h"
+#include "renderer/renderer.h"
+#include "scenes/input_error.h"
+#include "scenes/mesh_inspection.h"
+#include "scenes/target.h"
+
+namespace sightline {
+namespace {
+
+constexpr size_t kMaxListedParts = 40;
+constexpr int kPictureWidth = 960;
+constexpr int kPictureHeight = 640;
+
+std::string closedness(const MeshInspection& mesh) {
+  if (mesh.closed_components == mesh.components) return "closed";
+  return fmt::format("open: {} of {} pieces are closed, {} open edges", mesh.closed_components,
+                     mesh.components, mesh.open_edges);
+}
+
+std::string orientation(const MeshInspection& mesh) {
+  if (mesh.flipped_edges == 0 && mesh.inward_components == 0 && mesh.closed_components > 0) {
+    return "outward";
+  }
+  return fmt::format("{} edges whose faces disagree, {} closed pieces inside out",
+                     mesh.flipped_edges, mesh.inward_components);
+}
+
+std::string mesh_text(const Target& target, const MeshInspection& mesh) {
+  const Eigen::Vector3d size = mesh.bounds.max_m - mesh.bounds.min_m;
+  std::string out;
+  out += fmt::format("size       {:.3f} x {:.3f} x {:.3f} m (x, y, z), radius {:.3f} m\n", size.x(),
+                     size.y(), size.z(), mesh.radius_m);
+  out += fmt::format("mesh       {} triangles, {} vertices, {} pieces, {} parts\n", mesh.triangles,
+                     mesh.vertices, mesh.components, mesh.parts.size());
+  out += fmt::format("surface    {}; {} edges shared by three faces or more\n", closedness(mesh),
+                     mesh.non_manifold_edges);
+  out += fmt::format("normals    {}\n", orientation(mesh));
+  out += fmt::format("sharp      {} edges turn by {} deg or more, {:.1f} m in all\n",
+                     mesh.sharp_edges, kSharpAngleDeg, mesh.sharp_length_m);
+  out += fmt::format(
+      "cleaned    {} vertices welded, {} degenerate and {} duplicate triangles dropped\n",
+      target.cleaning.welded_vertices, target.cleaning.degenerate_triangles,
+      target.cleaning.duplicate_triangles);
+  return out;
+}
+
+std::string parts_text(const MeshInspection& mesh) {
+  std::string out = "\n  id  part                          triangles   area m2  albedo\n";
+  for (size_t i = 0; i < std::min(mesh.parts.size(), kMaxListedParts); ++i) {
+    const MeshInspection::PartSummary& part = mesh.parts[i];
+    out += fmt::format("{:>4}  {:<28} {:>10} {:>9.2f} {:>7.2f}\n", i + 1, part.name, part.triangles,
+                       part.area_m2, part.albedo);
+  }
+  if (mesh.parts.size() > kMaxListedParts) {
+    out += fmt::format("      and {} more\n", mesh.parts.size() - kMaxListedParts);
+  }
+  return out;
+}
+
+std::string features_text(const Target& target) {
+  if (target.features.empty()) return "";
+  std::string out = "\nfeature                         kind                 position m\n";
+  for (const TargetFeature& feature : target.features) {
+    const Eigen::Vector3d& p = feature.position_m;
+    out += fmt::format("{:<30}  {:<18} {:>8.3f} {:>8.3f} {:>8.3f}\n", feature.name,
+                       to_string(feature.kind), p.x(), p.y(), p.z());
+  }
+  return out;
+}
+
+// A long lens on the middle of the target, filling the picture.
+Scene picture_scene(const std::shared_ptr<const Target>& target,
+                    const std::vector<double>& theta_deg) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  Scene scene;
+  scene.target = target;
+  scene.cam_from_target.rotation = rotation_from_attitude(
+      {theta_deg[0] * kDegree, theta_deg[1] * kDegree, theta_deg[2] * kDegree});
+  const Bounds box = bounds(target->mesh);
+  const Eigen::Vector3d centre = (box.min_m + box.max_m) / 2;
+  const double distance_m = 20 * (box.max_m - box.min_m).norm();
+  scene.cam_from_target.translation =
+      Eigen::Vector3d(0, 0, distance_m) - scene.cam_from_target.rotation * centre;
+  scene.camera = centred_camera(kPictureWidth, kPictureHeight, 1.0);
+  Eigen::AlignedBox2d spread;  // of the pixels for a focal length of one pixel
+  for (const Eigen::Vector3d& vertex : target->mesh.vertices) {
+    const Eigen::Vector3d x = scene.cam_from_target * vertex;
+    spread.extend(Eigen::Vector2d(std::abs(x.x() / x.z()), std::abs(x.y() / x.z())));
+  }
+  const double focal_px =
+      0.46 * std::min(kPictureWidth / spread.max().x(), kPictureHeight / spread.max().y());
+  scene.camera = centred_camera(kPictureWidth, kPictureHeight, focal_px);
+  scene.light.to_light_in_cam = Eigen::Vector3d(-0.4, -0.5, -0.75).normalized();
+  scene.sensor = {.psf_sigma_px = 0.5, .read_noise_grey = 0, .full_well_electrons = 0, .bits = 8};
+  return scene;
+}
+
+void draw_picture(const std::shared_ptr<const Target>& target, const TargetArguments& arguments) {
+  const std::filesystem::path file = arguments.picture;
+  if (file.extension() != ".png") {
+    throw InputError(fmt::format("--picture {}: must end in .png", arguments.picture));
+  }
+  const Scene scene = picture_scene(target, arguments.theta_deg);
+  const Frame frame = Renderer().render(scene, RandomStream(0, "picture", 0));
+  bool is_written = false;
+  try {
+    is_written = cv::imwrite(file.string(), frame.image);
+  } catch (const cv::Exception&) {
+  }
+  if (!is_written) throw InputError(fmt::format("--picture {}: cannot be written", file.string()));
+}
+
+}  // namespace
+
+std::string report_target(const TargetArguments& arguments) {
+  MeshFrame frame;
+  if (!arguments.forward.empty()) frame.forward = arguments.forward;
+  if (!arguments.up.empty()) frame.up = arguments.up;
+  const std::shared_ptr<const Target> target = load_target(arguments.target, frame);
+  const MeshInspection mesh = inspect(target->mesh);
+  std::string out = target->name;
+  if (!target->description.empty()) out += ": " + target->description;
+  out += "\n\n" + mesh_text(*target, mesh) + parts_text(mesh) + features_text(*target);
+  if (!arguments.picture.empty()) {
+    draw_picture(target, arguments);
+    out += fmt::format("\npicture    {}\n", arguments.picture);
+  }
+  return out;
+}
+
+}  // namespace sightline

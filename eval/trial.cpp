@@ -1,0 +1,246 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "eval/metrics.h"
+#include "features/extractor.h"
+#include "features/prediction.h"
+#include "pose/attitude.h"
+#include "pose/bounds.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+Pose pose_from(const Eigen::Vector3d& theta_deg, const Eigen::Vector3d& t_m) {
+  const Eigen::Vector3d theta = theta_deg * kDegree;
+  return {rotation_from_attitude({theta.x(), theta.y(), theta.z()}), t_m};
+}
+
+Pose jittered_pose(const PoseLaw& law, int condition, RandomStream& stream) {
+  const double dx = law.lateral_jitter_m * stream.uniform(-1, 1);
+  const double dy = law.lateral_jitter_m * stream.uniform(-1, 1);
+  return pose_from(law.theta_deg[condition], law.t_m[condition] + Eigen::Vector3d(dx, dy, 0));
+}
+
+Pose drawn_pose(const PoseLaw& law, RandomStream& stream) {
+  const auto draw = [&stream](const PoseLaw::Range& r) { return stream.uniform(r.min, r.max); };
+  Eigen::Vector3d theta_deg, t_m;
+  for (double& angle : theta_deg) angle = draw(law.drawn_angle_deg);
+  t_m.x() = draw(law.drawn_lateral_m);
+  t_m.y() = draw(law.drawn_lateral_m);
+  t_m.z() = draw(law.drawn_range_m);
+  return pose_from(theta_deg, t_m);
+}
+
+bool has_all_features_inside(const Study& study, const Scene& scene) {
+  return std::all_of(study.features.begin(), study.features.end(), [&](int feature) {
+    const Eigen::Vector3d& position = study.target->features[feature].position_m;
+    const auto pixel = project(scene.camera, scene.cam_from_target * position);
+    return pixel && is_inside(scene.camera, *pixel);
+  });
+}
+
+struct DrawnScene {
+  Scene scene;
+  int redraws = 0;
+  bool is_imageable = true;
+};
+
+// The last draw stands when none has all features inside; it is a failed trial if it cannot be
+// imaged at all.
+DrawnScene draw_scene(const Study& study, int64_t index) {
+  DrawnScene drawn;
+  Scene& scene = drawn.scene;
+  scene.target = study.target;
+  scene.camera = study.camera;
+  scene.background = study.background;
+  scene.sensor = study.sensor;
+  scene.samples_per_pixel = study.samples_per_pixel;
+  scene.light = study.light;
+  RandomStream light_stream(study.seed, "light", index);
+  RandomStream pose_stream(study.seed, "pose", index);
+  if (!study.poses.t_m.empty()) {
+    scene.cam_from_target = jittered_pose(study.poses, study.condition_of(index), pose_stream);
+  } else {
+    scene.cam_from_target = drawn_pose(study.poses, pose_stream);
+    while (drawn.redraws < study.poses.max_redraws && !has_all_features_inside(study, scene)) {
+      scene.cam_from_target = drawn_pose(study.poses, pose_stream);
+      ++drawn.redraws;
+    }
+  }
+  const Eigen::Vector3d to_camera = -scene.cam_from_target.translation.normalized();
+  scene.light.to_light_in_cam =
+      light_stream.direction_near(to_camera, study.light_cone_deg * kDegree);
+  drawn.is_imageable = why_not_imageable(scene).empty();
+  return drawn;
+}
+
+// The observations that were found, as a problem for the solvers, and which features they are.
+struct FoundPoints {
+  PoseProblem problem;
+  std::vector<int> slots;  // point -> index into the study's features
+};
+
+FoundPoints found_points(const Study& study, const Trial& trial) {
+  FoundPoints found;
+  PoseProblem& problem = found.problem;
+  problem.camera = study.camera;
+  if (study.start == Start::kPrior) {
+    problem.initial_cam_from_target = trial.record.prior_cam_from_target;
+  }
+  for (size_t i = 0; i < trial.observations.size(); ++i) {
+    const Observation& observation = trial.observations[i];
+    if (observation.status != ObservationStatus::kFound) continue;
+    problem.points_in_target.push_back(study.target->features[observation.feature].position_m);
+    problem.pixels.push_back(observation.pixel);
+    problem.covariances_px2.push_back(observation.covariance_px2);
+    found.slots.push_back(static_cast<int>(i));
+  }
+  return found;
+}
+
+std::vector<ObservationRecord> compare_with_truth(const Study& study, const Trial& trial) {
+  std::vector<ObservationRecord> records;
+  for (const Observation& observation : trial.observations) {
+    const FeatureTruth& truth = trial.frame.truth.features[observation.feature];
+    ObservationRecord record;
+    record.feature = study.target->features[observation.feature].name;
+    record.status = to_string(observation.status);
+    record.is_visible = truth.is_visible;
+    record.true_pixel = truth.pixel;
+    if (record.is_found()) {
+      record.pixel = observation.pixel;
+      record.error_px = (observation.pixel - truth.pixel).norm();
+      record.is_outlier = record.error_px > study.outlier_px;
+    }
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+double reprojection_rms_px(const PoseProblem& problem, const PoseEstimate& estimate) {
+  double sum = 0;
+  int count = 0;
+  for (size_t i = 0; i < problem.pixels.size(); ++i) {
+    if (std::binary_search(estimate.removed.begin(), estimate.removed.end(), static_cast<int>(i))) {
+      continue;
+    }
+    const auto pixel =
+        project(problem.camera, estimate.cam_from_target * problem.points_in_target[i]);
+    if (!pixel) return std::numeric_limits<double>::infinity();
+    sum += (*pixel - problem.pixels[i]).squaredNorm();
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+// Which points a solver judged right and wrong, against the labels.
+void judge_removals(const TrialRecord& record, const FoundPoints& found,
+                    const PoseEstimate& estimate, EstimateRecord& out) {
+  for (size_t i = 0; i < found.slots.size(); ++i) {
+    const ObservationRecord& observation = record.observations[found.slots[i]];
+    const bool is_removed =
+        std::binary_search(estimate.removed.begin(), estimate.removed.end(), static_cast<int>(i));
+    if (is_removed) out.removed.push_back(observation.feature);
+    if (is_removed && !observation.is_outlier) ++out.false_removals;
+    if (!is_removed && observation.is_outlier) ++out.missed_outliers;
+  }
+}
+
+EstimateRecord solve(const Study& study, const PoseSolver& solver, const FoundPoints& found,
+                     const TrialRecord& record) {
+  PoseProblem problem = found.problem;
+  if (solver.evaluation_only) {
+    for (const int slot : found.slots) {
+      problem.true_inliers.push_back(!record.observations[slot].is_outlier);
+    }
+  }
+  const PoseEstimate estimate = solver.solve(problem, study.solver_options);
+  EstimateRecord out;
+  out.solver = solver.name;
+  out.status = to_string(estimate.status);
+  if (estimate.status != PoseStatus::kOk) return out;
+
+  const Pose& pose = estimate.cam_from_target;
+  const Pose& truth = record.true_cam_from_target;
+  out.cam_from_target = pose;
+  out.theta_error_deg = attitude_error_rad(pose.rotation, truth.rotation) / kDegree;
+  out.t_error_percent = 100 * translation_error_fraction(pose.translation, truth.translation);
+  out.geodesic_deg = geodesic_angle_rad(pose.rotation, truth.rotation) / kDegree;
+  out.reprojection_rms_px = reprojection_rms_px(problem, estimate);
+  const VertexErrors errors = vertex_errors(study.target->mesh, study.camera, pose, truth);
+  out.add_m = errors.add_m;
+  out.mssd_m = errors.mssd_m;
+  out.mspd_px = errors.mspd_px;
+  judge_removals(record, found, estimate, out);
+  return out;
+}
+
+void add_bound(const Study& study, const FoundPoints& found, TrialRecord& record) {
+  std::vector<Eigen::Vector3d> inliers;
+  for (size_t i = 0; i < found.slots.size(); ++i) {
+    if (!record.observations[found.slots[i]].is_outlier) {
+      inliers.push_back(found.problem.points_in_target[i]);
+    }
+  }
+  const auto bound = cramer_rao_bound(study.camera, inliers, record.true_cam_from_target, 1.0);
+  if (!bound) return;
+  record.bound_geodesic_deg_per_px = bound->geodesic_rms_rad / kDegree;
+  record.bound_theta_deg_per_px = bound->attitude_rms_rad / kDegree;
+  record.bound_t_percent_per_px = 100 * bound->translation_rms;
+}
+
+// A drawn pose that cannot be imaged is a failed trial of every solver.
+void fail_all(const Study& study, TrialRecord& record) {
+  for (const PoseSolver* solver : study.solvers) {
+    EstimateRecord estimate;
+    estimate.solver = solver->name;
+    estimate.status = "not imaged";
+    record.estimates.push_back(std::move(estimate));
+  }
+}
+
+}  // namespace
+
+Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
+  Trial trial;
+  TrialRecord& record = trial.record;
+  record.trial = index;
+  record.condition = study.condition_of(index);
+
+  const DrawnScene drawn = draw_scene(study, index);
+  trial.scene = drawn.scene;
+  record.redraws = drawn.redraws;
+  record.true_cam_from_target = drawn.scene.cam_from_target;
+  if (!drawn.is_imageable) {
+    fail_all(study, record);
+    return trial;
+  }
+  trial.frame = renderer.render(trial.scene, RandomStream(study.seed, "sensor", index));
+
+  RandomStream prior_stream(study.seed, "prior", index);
+  record.prior_cam_from_target =
+      draw_prior(record.true_cam_from_target, study.camera, study.prior, prior_stream);
+  const auto predictions =
+      predict_features(*study.target, study.features, study.camera, record.prior_cam_from_target);
+  const double white = std::exp2(study.sensor.bits) - 1;
+  trial.observations = extract_features(trial.frame.image, white, predictions, study.extractors,
+                                        study.extractor_options);
+  record.observations = compare_with_truth(study, trial);
+
+  const FoundPoints found = found_points(study, trial);
+  for (const PoseSolver* solver : study.solvers) {
+    record.estimates.push_back(solve(study, *solver, found, record));
+  }
+  add_bound(study, found, record);
+  return trial;
+}
+
+}  // namespace sightline

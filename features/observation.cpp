@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "features/observation.h"
+
+namespace sightline {
+
+std::string_view to_string(ObservationStatus status) {
+  switch (status) {
+    case ObservationStatus::kFound:
+      return "found";
+    case ObservationStatus::kHidden:
+      return "hidden";
+    case ObservationStatus::kOutsideImage:
+      return "outside the image";
+    case ObservationStatus::kTooFewEdgePixels:
+      return "too few edge pixels";
+    case ObservationStatus::kParallelLines:
+      return "parallel lines";
+    case ObservationStatus::kOutsideWindow:
+      return "lines meet outside the window";
+    case ObservationStatus::kNoCorner:
+      return "no corner";
+  }
+  return "unknown";
+}
+
+}  // namespace sightline

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+#include <opencv2/core/types.hpp>
+
+namespace sightline {
+
+enum class ObservationStatus {
+  kFound,
+  kHidden,            ///< the target itself hides the feature at the predicted pose
+  kOutsideImage,      ///< the predicted feature, or too much of its window, is not on the image
+  kTooFewEdgePixels,  ///< the window holds no line with enough edge pixels along a predicted edge
+  kParallelLines,     ///< the two lines found meet at too small an angle
+  kOutsideWindow,     ///< the two lines meet outside the window
+  kNoCorner,          ///< the window holds no corner
+};
+
+/// Words for tables and files: "found", "hidden", "too few edge pixels", ...
+std::string_view to_string(ObservationStatus status);
+
+/// A straight line found in an image, with the edge pixels it was fitted to.
+struct ImageLine {
+  Eigen::Vector2d point = Eigen::Vector2d::Zero();       ///< centroid of its edge pixels
+  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit vector
+  std::vector<Eigen::Vector2d> edge_pixels;
+  double rms_px = 0;  ///< of the edge pixels about the line
+};
+
+/// What an extractor says of one feature in one image, and the evidence it came from.
+struct Observation {
+  int feature = 0;  ///< index into the target's features
+  ObservationStatus status = ObservationStatus::kNoCorner;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< with status kFound
+  Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d predicted_px = Eigen::Vector2d::Zero();
+  cv::Rect window;                       ///< where it looked, inside the image
+  std::vector<ImageLine> lines;          ///< a line intersection's two lines, if found
+  std::vector<Eigen::Vector2d> corners;  ///< all the corners a corner extractor chose from
+};
+
+}  // namespace sightline

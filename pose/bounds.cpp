@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pose/bounds.h"
+
+#include <cmath>
+#include <limits>
+
+#include <Eigen/LU>
+
+#include "pose/attitude.h"
+#include "pose/reprojection.h"
+
+namespace sightline {
+namespace {
+
+/// d(pixel) / d(undistorted pixel) at a point of the camera frame.
+Eigen::Matrix2d lens_derivative(const Camera& camera, const Eigen::Vector3d& x_in_cam) {
+  const Eigen::Vector2d normalised = x_in_cam.head<2>() / x_in_cam.z();
+  const Eigen::Vector2d focal(camera.fx_px, camera.fy_px);
+  return focal.asDiagonal() * distortion_jacobian(camera.distortion, normalised) *
+         focal.cwiseInverse().asDiagonal();
+}
+
+/// sqrt of the mean variance of (pitch, yaw, roll). A turn w from the left moves the angles by
+/// E^-1 w, the columns of E being the axes about which the camera sees them turn.
+double attitude_rms(const Eigen::Matrix3d& rotation, const Eigen::Matrix3d& w_covariance) {
+  const double roll = attitude_from_rotation(rotation).roll_rad;
+  Eigen::Matrix3d axes;
+  axes.col(0) = rotation.col(0);                                      // Rz Ry e_x
+  axes.col(1) = Eigen::Vector3d(-std::sin(roll), std::cos(roll), 0);  // Rz e_y
+  axes.col(2) = Eigen::Vector3d::UnitZ();
+  // The determinant is the cosine of the yaw: in gimbal lock two axes are one.
+  if (!(std::abs(axes.determinant()) > std::numeric_limits<double>::epsilon())) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const Eigen::Matrix3d angles_from_w = axes.inverse();
+  return std::sqrt((angles_from_w * w_covariance * angles_from_w.transpose()).trace() / 3);
+}
+
+/// J^T J of the pixels, lens included. None when a point is behind the camera.
+std::optional<Matrix6d> information(const Camera& camera, const Correspondences& c,
+                                    const Pose& cam_from_centred) {
+  Matrix6d sum = Matrix6d::Zero();
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const std::optional<Reprojection> r = reproject(c, i, cam_from_centred);
+    if (!r) return std::nullopt;
+    const Eigen::Matrix<double, 2, 6> jacobian =
+        lens_derivative(camera, cam_from_centred * c.points_in_centred[i]) * r->jacobian;
+    sum += jacobian.transpose() * jacobian;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
+                                          std::span<const Eigen::Vector3d> points_in_target,
+                                          const Pose& cam_from_target, double sigma_px) {
+  if (points_in_target.empty() || !(sigma_px >= 0) || !is_valid(cam_from_target)) {
+    return std::nullopt;
+  }
+  Correspondences c;
+  c.fx_px = camera.fx_px;
+  c.fy_px = camera.fy_px;
+  c.centroid_in_target = spread_of(points_in_target).mean;
+  for (const Eigen::Vector3d& p : points_in_target) {
+    c.points_in_centred.push_back(p - c.centroid_in_target);
+  }
+  c.pixels.assign(c.size(), Eigen::Vector2d::Zero());
+
+  const Pose cam_from_centred = to_centred(cam_from_target, c);
+  const std::optional<Matrix6d> sum = information(camera, c, cam_from_centred);
+  if (!sum) return std::nullopt;
+  const std::optional<Matrix6d> unit_covariance = inverse_information(*sum);
+  if (!unit_covariance) return std::nullopt;
+
+  PoseBound bound;
+  bound.covariance =
+      sigma_px * sigma_px * covariance_from_centred(*unit_covariance, cam_from_centred, c);
+  const Eigen::Matrix3d w_covariance = bound.covariance.topLeftCorner<3, 3>();
+  bound.geodesic_rms_rad = std::sqrt(w_covariance.trace());
+  bound.attitude_rms_rad = attitude_rms(cam_from_target.rotation, w_covariance);
+  bound.translation_rms = std::sqrt(bound.covariance.bottomRightCorner<3, 3>().trace() / 3) /
+                          cam_from_target.translation.norm();
+  return bound;
+}
+
+}  // namespace sightline

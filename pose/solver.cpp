@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pose/solver.h"
+
+#include <array>
+
+#include "pose/reprojection.h"
+#include "pose/solvers/solvers.h"
+
+namespace sightline {
+namespace {
+
+constexpr std::array kCatalogue = {
+    PoseSolver{"lspe", "least squares on all points", kMinimumPosePoints, false, solve_lspe},
+    PoseSolver{"orpe", "minimax with removal of outliers, as the paper prints it",
+               kMinimumPosePoints, false, solve_orpe},
+    PoseSolver{"oracle", "least squares on the true inliers", kMinimumPosePoints, true,
+               solve_oracle},
+};
+
+}  // namespace
+
+std::string_view to_string(PoseStatus status) {
+  switch (status) {
+    case PoseStatus::kOk:
+      return "ok";
+    case PoseStatus::kTooFewPoints:
+      return "too_few_points";
+    case PoseStatus::kDegenerate:
+      return "degenerate";
+    case PoseStatus::kBehindCamera:
+      return "behind_camera";
+    case PoseStatus::kDiverged:
+      return "diverged";
+  }
+  return "unknown";
+}
+
+std::span<const PoseSolver> pose_solvers() {
+  return kCatalogue;
+}
+
+const PoseSolver* find_pose_solver(std::string_view name) {
+  for (const PoseSolver& solver : kCatalogue) {
+    if (solver.name == name) return &solver;
+  }
+  return nullptr;
+}
+
+}  // namespace sightline

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The solve functions of the catalogue (pose/solver.cpp), one a file of this folder. Reach them
+// through find_pose_solver.
+#pragma once
+
+#include "pose/solver.h"
+
+namespace sightline {
+
+PoseEstimate solve_lspe(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_oracle(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options);
+
+}  // namespace sightline

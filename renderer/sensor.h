@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+#include "scenes/random.h"
+#include "scenes/scene.h"
+
+namespace sightline {
+
+/// What the sensor makes of the light on the focal plane (CV_32F, 1 is white): Gaussian point
+/// spread, photon noise (Gaussian of the Poisson's variance), read noise, rounding to 2^bits - 1
+/// steps, clipping. CV_8U up to 8 bits, else CV_16U. Noise is drawn row by row from the stream.
+cv::Mat expose(const cv::Mat& linear, const Sensor& sensor, RandomStream noise);
+
+}  // namespace sightline

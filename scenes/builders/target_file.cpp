@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/builders/target_file.h"
+
+#include <cmath>
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "scenes/input_error.h"
+#include "scenes/mesh_io.h"
+
+namespace sightline {
+namespace {
+
+constexpr const char* kHeader = R"(# SPDX-FileCopyrightText: 2026 The Sightline authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Written by sightline_build_targets (scenes/builders/): change the builder, not this file.
+# Coordinates are metres in the target's frame: x forward, y starboard, z down.
+)";
+
+// Metres to the micrometre, the grid of the mesh's vertices; no negative zero.
+double rounded(double value_m) {
+  return std::round(value_m * 1e6) / 1e6 + 0.0;
+}
+
+std::string to_toml(const Eigen::Vector3d& p) {
+  return fmt::format("[{:.6f}, {:.6f}, {:.6f}]", rounded(p.x()), rounded(p.y()), rounded(p.z()));
+}
+
+std::string to_toml(const TargetFeature& feature) {
+  std::string text =
+      fmt::format("\n[[feature]]\nname = \"{}\"\nkind = \"{}\"\nposition_m = {}\n", feature.name,
+                  to_string(feature.kind), to_toml(feature.position_m));
+  if (feature.clearance_m != TargetFeature{}.clearance_m) {
+    text += fmt::format("clearance_m = {}\n", feature.clearance_m);
+  }
+  if (feature.kind != FeatureKind::kLineIntersection) return text;
+  text += "edges_m = [\n";
+  for (const Edge& edge : feature.edges) {
+    text += fmt::format("  [{}, {}],\n", to_toml(edge.begin_m), to_toml(edge.end_m));
+  }
+  return text + "]\n";
+}
+
+std::string to_toml(const BuiltTarget& target) {
+  std::string text = kHeader;
+  text += fmt::format("name = \"{}\"\ndescription = \"{}\"\n", target.name, target.description);
+  text += "\n[mesh]\nfile = \"mesh.glb\"\nforward = \"+z\"\nup = \"+y\"\nunit_m = 1.0\n";
+  for (const TargetFeature& feature : target.features) text += to_toml(feature);
+  return text;
+}
+
+}  // namespace
+
+TargetFeature line_intersection(std::string name, const Eigen::Vector3d& corner,
+                                const Eigen::Vector3d& end_a, const Eigen::Vector3d& end_b) {
+  return {.name = std::move(name),
+          .kind = FeatureKind::kLineIntersection,
+          .position_m = corner,
+          .edges = {Edge{corner, end_a}, Edge{corner, end_b}}};
+}
+
+TargetFeature corner_feature(std::string name, const Eigen::Vector3d& position_m,
+                             double clearance_m) {
+  const Edge none{position_m, position_m};
+  return {.name = std::move(name),
+          .kind = FeatureKind::kCorner,
+          .position_m = position_m,
+          .clearance_m = clearance_m,
+          .edges = {none, none}};
+}
+
+void write_target(const BuiltTarget& target, const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  write_glb(target.mesh, folder / "mesh.glb");
+  const std::filesystem::path file = folder / "target.toml";
+  std::ofstream stream(file, std::ios::binary);
+  stream << to_toml(target);
+  stream.close();
+  if (!stream) throw InputError(fmt::format("{}: cannot be written", file.string()));
+}
+
+}  // namespace sightline

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "scenes/mesh.h"
+#include "scenes/target.h"
+
+namespace sightline {
+
+/// A target as a builder makes it.
+struct BuiltTarget {
+  std::string name;
+  std::string description;
+  Mesh mesh;
+  std::vector<TargetFeature> features;
+};
+
+/// A feature at a corner of the target, with the far ends of the two edges that meet there.
+TargetFeature line_intersection(std::string name, const Eigen::Vector3d& corner,
+                                const Eigen::Vector3d& end_a, const Eigen::Vector3d& end_b);
+
+/// A feature without straight edges, on a surface so round that it may hide the feature itself from
+/// `clearance_m` away.
+TargetFeature corner_feature(std::string name, const Eigen::Vector3d& position_m,
+                             double clearance_m);
+
+/// Writes mesh.glb and target.toml into the folder, which is made if need be. The same target gives
+/// the same bytes. Throws InputError when a file cannot be written.
+void write_target(const BuiltTarget& target, const std::filesystem::path& folder);
+
+}  // namespace sightline

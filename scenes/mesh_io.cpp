@@ -1,0 +1,217 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/mesh_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <set>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <fmt/format.h>
+
+#include "scenes/input_error.h"
+#include "scenes/mesh_soup.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kDefaultCreaseAngleRad = 45 * std::numbers::pi / 180;
+constexpr double kWeldFraction = 1e-6;  // of the mesh's size: float files carry 1e-7
+
+Eigen::Vector3d axis_named(const std::string& name, const char* key) {
+  const bool well_formed =
+      name.size() == 2 && (name[0] == '+' || name[0] == '-') && name[1] >= 'x' && name[1] <= 'z';
+  if (!well_formed) {
+    throw InputError(
+        fmt::format("mesh.{} = \"{}\" is no axis (allowed: +x, -x, +y, -y, +z, -z)", key, name));
+  }
+  return (name[0] == '-' ? -1.0 : 1.0) * Eigen::Vector3d::Unit(name[1] - 'x');
+}
+
+Eigen::Matrix3d target_from_file_rotation(const MeshFrame& frame) {
+  const Eigen::Vector3d forward = axis_named(frame.forward, "forward");
+  const Eigen::Vector3d up = axis_named(frame.up, "up");
+  if (forward.dot(up) != 0) {
+    throw InputError(
+        fmt::format("mesh.forward = \"{}\" and mesh.up = \"{}\" must be different axes",
+                    frame.forward, frame.up));
+  }
+  if (!(frame.unit_m > 0) || !std::isfinite(frame.unit_m)) {
+    throw InputError(fmt::format("mesh.unit_m = {} must be a positive number", frame.unit_m));
+  }
+  Eigen::Matrix3d rotation;
+  rotation.row(0) = forward;
+  rotation.row(1) = forward.cross(up);  // starboard
+  rotation.row(2) = -up;
+  return rotation;
+}
+
+// Gives points closer than the tolerance one index, by a grid of cells of the tolerance's size.
+class Welder {
+ public:
+  explicit Welder(double tolerance_m) : cell_m_(tolerance_m) {}
+
+  int index_of(const Eigen::Vector3d& point) {
+    const Cell home = cell_of(point);
+    for (int64_t dx = -1; dx <= 1; ++dx) {
+      for (int64_t dy = -1; dy <= 1; ++dy) {
+        for (int64_t dz = -1; dz <= 1; ++dz) {
+          const auto found = vertex_in_.find({home[0] + dx, home[1] + dy, home[2] + dz});
+          if (found == vertex_in_.end()) continue;
+          if ((vertices[found->second] - point).norm() <= cell_m_) return found->second;
+        }
+      }
+    }
+    vertices.push_back(point);
+    const int index = static_cast<int>(vertices.size()) - 1;
+    vertex_in_.emplace(home, index);
+    return index;
+  }
+
+  std::vector<Eigen::Vector3d> vertices;
+
+ private:
+  using Cell = std::array<int64_t, 3>;
+  struct CellHash {
+    size_t operator()(const Cell& c) const {
+      uint64_t hash = 0xcbf29ce484222325ULL;
+      for (const int64_t x : c) hash = (hash ^ static_cast<uint64_t>(x)) * 0x9e3779b97f4a7c15ULL;
+      return hash ^ (hash >> 29);
+    }
+  };
+
+  Cell cell_of(const Eigen::Vector3d& p) const {
+    return {static_cast<int64_t>(std::floor(p.x() / cell_m_)),
+            static_cast<int64_t>(std::floor(p.y() / cell_m_)),
+            static_cast<int64_t>(std::floor(p.z() / cell_m_))};
+  }
+
+  double cell_m_;
+  std::unordered_map<Cell, int, CellHash> vertex_in_;
+};
+
+double size_of(const MeshSoup& soup) {
+  Eigen::AlignedBox3d box;
+  for (const SoupTriangle& triangle : soup.triangles) {
+    for (const Eigen::Vector3d& corner : triangle.corner) box.extend(corner);
+  }
+  return box.diagonal().norm();
+}
+
+// A triangle whose height over its longest side is within the welding tolerance has no area to
+// speak of and no normal to trust.
+bool is_degenerate(const Mesh& mesh, const std::array<int, 3>& v, double tolerance_m) {
+  if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) return true;
+  const Eigen::Vector3d a = mesh.vertices[v[1]] - mesh.vertices[v[0]];
+  const Eigen::Vector3d b = mesh.vertices[v[2]] - mesh.vertices[v[0]];
+  const double longest = std::max({a.norm(), b.norm(), (b - a).norm()});
+  return a.cross(b).norm() <= tolerance_m * longest;
+}
+
+LoadedMesh clean(const MeshSoup& soup) {
+  LoadedMesh loaded;
+  Mesh& mesh = loaded.mesh;
+  mesh.parts = soup.parts;
+  const double tolerance_m = kWeldFraction * size_of(soup);
+  Welder welder(tolerance_m);
+  std::vector<std::array<int, 3>> corners;
+  for (const SoupTriangle& triangle : soup.triangles) {
+    corners.push_back({welder.index_of(triangle.corner[0]), welder.index_of(triangle.corner[1]),
+                       welder.index_of(triangle.corner[2])});
+  }
+  mesh.vertices = std::move(welder.vertices);
+  loaded.cleaning.welded_vertices =
+      static_cast<int>(3 * soup.triangles.size() - mesh.vertices.size());
+
+  std::set<std::array<int, 3>> seen;
+  bool has_all_normals = true;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    if (is_degenerate(mesh, corners[i], tolerance_m)) {
+      ++loaded.cleaning.degenerate_triangles;
+      continue;
+    }
+    std::array<int, 3> sorted = corners[i];
+    std::sort(sorted.begin(), sorted.end());
+    if (!seen.insert(sorted).second) {
+      ++loaded.cleaning.duplicate_triangles;
+      continue;
+    }
+    const SoupTriangle& source = soup.triangles[i];
+    mesh.triangles.push_back({corners[i], source.part, source.normal});
+    for (const Eigen::Vector3d& normal : source.normal) {
+      has_all_normals = has_all_normals && normal.squaredNorm() > 0;
+    }
+  }
+  if (!has_all_normals) compute_corner_normals(mesh, kDefaultCreaseAngleRad);
+  return loaded;
+}
+
+void transform(MeshSoup& soup, const Eigen::Matrix3d& rotation, double unit_m) {
+  for (SoupTriangle& triangle : soup.triangles) {
+    for (Eigen::Vector3d& corner : triangle.corner) corner = unit_m * (rotation * corner);
+    for (Eigen::Vector3d& normal : triangle.normal) normal = rotation * normal;
+  }
+}
+
+void require_finite(const MeshSoup& soup, const std::filesystem::path& file) {
+  for (const SoupTriangle& triangle : soup.triangles) {
+    for (const Eigen::Vector3d& corner : triangle.corner) {
+      if (!corner.allFinite()) {
+        throw InputError(fmt::format("{}: a vertex is not a finite number", file.string()));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+double luminance(double red, double green, double blue) {
+  return std::clamp(0.2126 * red + 0.7152 * green + 0.0722 * blue, 0.0, 1.0);
+}
+
+void add_transformed(MeshSoup& soup, const SoupTriangle& triangle,
+                     const Eigen::Matrix4d& file_from_mesh) {
+  const Eigen::Matrix3d linear = file_from_mesh.topLeftCorner<3, 3>();
+  const Eigen::Vector3d offset = file_from_mesh.topRightCorner<3, 1>();
+  const double determinant = linear.determinant();
+  // Normals go by the cofactor matrix, which is also right for singular and mirroring transforms.
+  Eigen::Matrix3d cofactors;
+  cofactors.col(0) = linear.col(1).cross(linear.col(2));
+  cofactors.col(1) = linear.col(2).cross(linear.col(0));
+  cofactors.col(2) = linear.col(0).cross(linear.col(1));
+  if (determinant < 0) cofactors = -cofactors;
+
+  SoupTriangle moved{.corner = {}, .normal = {}, .part = triangle.part};
+  for (int i = 0; i < 3; ++i) {
+    const int from = determinant < 0 ? 2 - i : i;
+    moved.corner[i] = linear * triangle.corner[from] + offset;
+    moved.normal[i] = (cofactors * triangle.normal[from]).stableNormalized();
+  }
+  soup.triangles.push_back(moved);
+}
+
+LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame) {
+  const Eigen::Matrix3d target_from_file = target_from_file_rotation(frame);
+  if (!std::filesystem::is_regular_file(file)) {
+    throw InputError(fmt::format("{}: no such mesh file", file.string()));
+  }
+  const std::string extension = file.extension().string();
+  const bool is_gltf = extension == ".glb" || extension == ".gltf";
+  MeshSoup soup = is_gltf ? read_gltf(file) : read_with_assimp(file);
+  if (soup.triangles.empty()) {
+    throw InputError(fmt::format("{}: holds no triangles", file.string()));
+  }
+  require_finite(soup, file);
+  transform(soup, target_from_file, frame.unit_m);
+  LoadedMesh loaded = clean(soup);
+  if (loaded.mesh.triangles.empty()) {
+    throw InputError(fmt::format("{}: all its triangles are degenerate", file.string()));
+  }
+  return loaded;
+}
+
+}  // namespace sightline

@@ -1,0 +1,330 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/toml_table.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#define TOML_EXCEPTIONS 1
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <toml++/toml.h>
+
+#include "scenes/input_error.h"
+
+namespace sightline {
+
+struct TomlTable::Document {
+  std::filesystem::path file;
+  toml::table root;
+};
+
+struct TomlTable::Node {
+  std::shared_ptr<const Document> document;
+  std::string prefix;  // "pose." for the keys of [pose]
+  const toml::table* table = nullptr;
+  mutable std::set<std::string, std::less<>> known;  // keys a getter has named
+  mutable std::map<std::string, std::vector<std::shared_ptr<const Node>>, std::less<>> children;
+};
+
+namespace {
+
+const toml::table kEmptyTable;
+
+std::string to_text(const toml::node& node) {
+  std::ostringstream out;
+  node.visit([&out](const auto& value) { out << toml::toml_formatter{value}; });
+  return out.str();
+}
+
+std::string describe(Interval allowed) {
+  const bool has_min = std::isfinite(allowed.min);
+  const bool has_max = std::isfinite(allowed.max);
+  if (has_min && has_max) return fmt::format("from {} to {}", allowed.min, allowed.max);
+  if (has_min) return fmt::format("at least {}", allowed.min);
+  if (has_max) return fmt::format("at most {}", allowed.max);
+  return "a finite number";
+}
+
+std::optional<double> finite_number(const toml::node* node) {
+  if (node == nullptr || !node->is_number()) return std::nullopt;
+  const double value = *node->value<double>();
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+std::optional<Eigen::Vector3d> point_of(const toml::node* node) {
+  const toml::array* array = node == nullptr ? nullptr : node->as_array();
+  if (array == nullptr || array->size() != 3) return std::nullopt;
+  Eigen::Vector3d point;
+  for (int i = 0; i < 3; ++i) {
+    const std::optional<double> value = finite_number(array->get(i));
+    if (!value) return std::nullopt;
+    point[i] = *value;
+  }
+  return point;
+}
+
+std::vector<std::string> split_path(std::string_view path) {
+  std::vector<std::string> parts;
+  std::stringstream stream{std::string(path)};
+  for (std::string part; std::getline(stream, part, '.');) parts.push_back(part);
+  return parts;
+}
+
+// The value of an override: TOML if it parses as such, else the words themselves.
+toml::table parse_override_value(const std::string& value) {
+  try {
+    return toml::parse("value = " + value);
+  } catch (const toml::parse_error&) {
+    toml::table table;
+    table.insert("value", value);
+    return table;
+  }
+}
+
+void apply_override(toml::table& root, const std::string& setting) {
+  const size_t equals = setting.find('=');
+  const auto path = split_path(std::string_view(setting).substr(0, equals));
+  if (equals == std::string::npos || path.empty()) {
+    throw InputError(
+        fmt::format("--set {}: must read key=value, for example noise.scale=2", setting));
+  }
+  toml::table* table = &root;
+  for (size_t i = 0; i + 1 < path.size(); ++i) {
+    if (!table->contains(path[i])) table->insert(path[i], toml::table{});
+    table = (*table)[path[i]].as_table();
+    if (table == nullptr) {
+      throw InputError(fmt::format("--set {}: '{}' is not a table", setting, path[i]));
+    }
+  }
+  const toml::table parsed = parse_override_value(setting.substr(equals + 1));
+  parsed.get("value")->visit(
+      [&](const auto& value) { table->insert_or_assign(path.back(), value); });
+}
+
+}  // namespace
+
+TomlTable TomlTable::read_file(const std::filesystem::path& file,
+                               std::span<const std::string> overrides) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!std::filesystem::is_regular_file(file) || !stream) {
+    throw InputError(fmt::format("{}: no such file, or it cannot be read", file.string()));
+  }
+  const std::string text((std::istreambuf_iterator<char>(stream)), {});
+  return read_text(text, file, overrides);
+}
+
+TomlTable TomlTable::read_text(const std::string& text, const std::filesystem::path& name,
+                               std::span<const std::string> overrides) {
+  auto document = std::make_shared<Document>();
+  document->file = name;
+  try {
+    document->root = toml::parse(text, name.string());
+  } catch (const toml::parse_error& error) {
+    throw InputError(
+        fmt::format("{}:{}: {}", name.string(), error.source().begin.line, error.description()));
+  }
+  for (const std::string& setting : overrides) apply_override(document->root, setting);
+  auto node = std::make_shared<Node>();
+  node->table = &document->root;
+  node->document = std::move(document);
+  return TomlTable(node);
+}
+
+bool TomlTable::has(std::string_view key) const {
+  node_->known.emplace(key);
+  return node_->table->contains(key);
+}
+
+double TomlTable::number(std::string_view key, Interval allowed,
+                         std::optional<double> fallback) const {
+  if (!has(key)) {
+    if (fallback) return *fallback;
+    fail(key, fmt::format("is missing (a number, {})", describe(allowed)));
+  }
+  const toml::node& node = *node_->table->get(key);
+  const std::optional<double> value = finite_number(&node);
+  if (!value || *value < allowed.min || *value > allowed.max) {
+    fail(key, fmt::format("is {}, must be a number, {}", to_text(node), describe(allowed)));
+  }
+  return *value;
+}
+
+int64_t TomlTable::integer(std::string_view key, Interval allowed,
+                           std::optional<int64_t> fallback) const {
+  if (!has(key)) {
+    if (fallback) return *fallback;
+    fail(key, fmt::format("is missing (a whole number, {})", describe(allowed)));
+  }
+  const toml::node& node = *node_->table->get(key);
+  const std::optional<int64_t> value = node.value_exact<int64_t>();
+  const bool is_good = value && static_cast<double>(*value) >= allowed.min &&
+                       static_cast<double>(*value) <= allowed.max;
+  if (!is_good) {
+    fail(key, fmt::format("is {}, must be a whole number, {}", to_text(node), describe(allowed)));
+  }
+  return *value;
+}
+
+bool TomlTable::flag(std::string_view key, std::optional<bool> fallback) const {
+  if (!has(key)) {
+    if (fallback) return *fallback;
+    fail(key, "is missing (true or false)");
+  }
+  const toml::node& node = *node_->table->get(key);
+  const std::optional<bool> value = node.value_exact<bool>();
+  if (!value) fail(key, fmt::format("is {}, must be true or false", to_text(node)));
+  return *value;
+}
+
+std::string TomlTable::text(std::string_view key, std::optional<std::string> fallback) const {
+  if (!has(key)) {
+    if (fallback) return *fallback;
+    fail(key, "is missing (a text)");
+  }
+  const toml::node& node = *node_->table->get(key);
+  const std::optional<std::string> value = node.value_exact<std::string>();
+  if (!value) fail(key, fmt::format("is {}, must be a text in quotes", to_text(node)));
+  return *value;
+}
+
+std::string TomlTable::choice(std::string_view key, std::span<const std::string> allowed,
+                              std::optional<std::string> fallback) const {
+  const std::string value = text(key, std::move(fallback));
+  for (const std::string& name : allowed) {
+    if (name == value) return value;
+  }
+  fail(key, fmt::format("is \"{}\"{}", value, suggestion(value, allowed)));
+}
+
+std::vector<std::string> TomlTable::texts(std::string_view key,
+                                          std::optional<std::vector<std::string>> fallback) const {
+  if (!has(key)) {
+    if (fallback) return *fallback;
+    fail(key, "is missing (an array of texts)");
+  }
+  const toml::node& node = *node_->table->get(key);
+  std::vector<std::string> values;
+  const toml::array* array = node.as_array();
+  if (array == nullptr) fail(key, fmt::format("is {}, must be an array of texts", to_text(node)));
+  for (const toml::node& element : *array) {
+    const std::optional<std::string> value = element.value_exact<std::string>();
+    if (!value) fail(key, fmt::format("holds {}, must hold texts only", to_text(element)));
+    values.push_back(*value);
+  }
+  return values;
+}
+
+std::vector<double> TomlTable::numbers(std::string_view key, size_t count,
+                                       std::optional<std::vector<double>> fallback) const {
+  if (!has(key)) {
+    if (fallback) return *fallback;
+    fail(key, fmt::format("is missing (an array of {} numbers)", count));
+  }
+  const toml::node& node = *node_->table->get(key);
+  const toml::array* array = node.as_array();
+  std::vector<double> values;
+  for (size_t i = 0; array != nullptr && i < array->size(); ++i) {
+    const std::optional<double> value = finite_number(array->get(i));
+    if (value) values.push_back(*value);
+  }
+  if (values.size() != count || array->size() != count) {
+    fail(key, fmt::format("is {}, must be an array of {} finite numbers", to_text(node), count));
+  }
+  return values;
+}
+
+Eigen::Vector3d TomlTable::vector3(std::string_view key,
+                                   std::optional<Eigen::Vector3d> fallback) const {
+  if (!has(key) && fallback) return *fallback;
+  const std::vector<double> values = numbers(key, 3);
+  return {values[0], values[1], values[2]};
+}
+
+std::vector<std::vector<Eigen::Vector3d>> TomlTable::point_lists(std::string_view key, size_t outer,
+                                                                 size_t inner) const {
+  const std::string rule =
+      fmt::format("{} lists of {} points, each an array of 3 finite numbers", outer, inner);
+  if (!has(key)) fail(key, fmt::format("is missing ({})", rule));
+  const toml::array* lists = node_->table->get(key)->as_array();
+  std::vector<std::vector<Eigen::Vector3d>> out;
+  for (size_t i = 0; lists != nullptr && i < lists->size(); ++i) {
+    const toml::array* list = lists->get(i)->as_array();
+    std::vector<Eigen::Vector3d> points;
+    for (size_t j = 0; list != nullptr && j < list->size(); ++j) {
+      const std::optional<Eigen::Vector3d> point = point_of(list->get(j));
+      if (!point) fail(key, fmt::format("must be {}", rule));
+      points.push_back(*point);
+    }
+    if (points.size() != inner) fail(key, fmt::format("must be {}", rule));
+    out.push_back(std::move(points));
+  }
+  if (out.size() != outer) fail(key, fmt::format("must be {}", rule));
+  return out;
+}
+
+TomlTable TomlTable::table(std::string_view key) const {
+  const bool is_given = has(key);
+  const auto found = node_->children.find(key);
+  if (found != node_->children.end()) return TomlTable(found->second.front());
+  auto child = std::make_shared<Node>();
+  child->document = node_->document;
+  child->prefix = fmt::format("{}{}.", node_->prefix, key);
+  child->table = is_given ? node_->table->get(key)->as_table() : &kEmptyTable;
+  if (child->table == nullptr)
+    fail(key, fmt::format("must be a table, [{}{}]", node_->prefix, key));
+  node_->children[std::string(key)] = {child};
+  return TomlTable(child);
+}
+
+std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
+  std::vector<TomlTable> out;
+  if (!has(key)) return out;
+  const toml::array* array = node_->table->get(key)->as_array();
+  const std::string rule = fmt::format("must be an array of tables, [[{}{}]]", node_->prefix, key);
+  if (array == nullptr) fail(key, rule);
+  std::vector<std::shared_ptr<const Node>>& children = node_->children[std::string(key)];
+  children.clear();
+  for (size_t i = 0; i < array->size(); ++i) {
+    auto child = std::make_shared<Node>();
+    child->document = node_->document;
+    child->prefix = fmt::format("{}{}[{}].", node_->prefix, key, i);
+    child->table = array->get(i)->as_table();
+    if (child->table == nullptr) fail(key, rule);
+    children.push_back(child);
+    out.push_back(TomlTable(child));
+  }
+  return out;
+}
+
+void TomlTable::reject_unknown_keys() const {
+  for (const auto& [key, value] : *node_->table) {
+    if (node_->known.contains(key.str())) continue;
+    const std::vector<std::string> known(node_->known.begin(), node_->known.end());
+    fail(key.str(), "is not a known key" + suggestion(key.str(), known));
+  }
+  for (const auto& [key, children] : node_->children) {
+    for (const auto& child : children) TomlTable(child).reject_unknown_keys();
+  }
+}
+
+void TomlTable::fail(std::string_view key, const std::string& message) const {
+  throw InputError(
+      fmt::format("{}: {}{} {}", node_->document->file.string(), node_->prefix, key, message));
+}
+
+const std::filesystem::path& TomlTable::file() const {
+  return node_->document->file;
+}
+
+std::string TomlTable::to_toml() const {
+  std::ostringstream out;
+  out << node_->document->root << "\n";
+  return out.str();
+}
+
+}  // namespace sightline

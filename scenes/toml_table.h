@@ -1,0 +1,83 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace sightline {
+
+/// The numbers a key accepts, ends included.
+struct Interval {
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+};
+
+/// The strict way to read a TOML file: every value is checked at the door, every error is an
+/// InputError that names the file, the key, what was given and what is allowed, and
+/// `reject_unknown_keys` turns a key that nobody asked for into an error. A getter without fallback
+/// requires the key.
+class TomlTable {
+ public:
+  /// Reads a file, then sets each override "a.b=value" (value in TOML; a bare word is a string).
+  static TomlTable read_file(const std::filesystem::path& file,
+                             std::span<const std::string> overrides = {});
+
+  /// The same for a text; `name` stands for the file in errors.
+  static TomlTable read_text(const std::string& text, const std::filesystem::path& name,
+                             std::span<const std::string> overrides = {});
+
+  bool has(std::string_view key) const;
+
+  double number(std::string_view key, Interval allowed = {},
+                std::optional<double> fallback = {}) const;
+  int64_t integer(std::string_view key, Interval allowed = {},
+                  std::optional<int64_t> fallback = {}) const;
+  bool flag(std::string_view key, std::optional<bool> fallback = {}) const;
+  std::string text(std::string_view key, std::optional<std::string> fallback = {}) const;
+  /// A text that must be one of `allowed`; the error suggests the nearest.
+  std::string choice(std::string_view key, std::span<const std::string> allowed,
+                     std::optional<std::string> fallback = {}) const;
+  std::vector<std::string> texts(std::string_view key,
+                                 std::optional<std::vector<std::string>> fallback = {}) const;
+  /// An array of exactly `count` finite numbers.
+  std::vector<double> numbers(std::string_view key, size_t count,
+                              std::optional<std::vector<double>> fallback = {}) const;
+  Eigen::Vector3d vector3(std::string_view key, std::optional<Eigen::Vector3d> fallback = {}) const;
+  /// An array of points, each an array of three numbers: shape `outer` x `inner` x 3.
+  std::vector<std::vector<Eigen::Vector3d>> point_lists(std::string_view key, size_t outer,
+                                                        size_t inner) const;
+
+  /// The sub-table of that name; empty when absent.
+  TomlTable table(std::string_view key) const;
+  /// The tables of an array of tables; none when absent.
+  std::vector<TomlTable> tables(std::string_view key) const;
+
+  /// Throws for the first key, here or in sub-tables that were asked for, that no getter has named.
+  void reject_unknown_keys() const;
+
+  /// Throws InputError "<file>: <key>: <message>".
+  [[noreturn]] void fail(std::string_view key, const std::string& message) const;
+
+  const std::filesystem::path& file() const;
+  /// The whole file as TOML, overrides applied.
+  std::string to_toml() const;
+
+ private:
+  struct Document;
+  struct Node;
+  explicit TomlTable(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
+
+  std::shared_ptr<const Node> node_;
+};
+
+}  // namespace sightline

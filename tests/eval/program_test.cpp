@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The program as a user runs it: real processes, real files.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include "tests/scenes/temporary_folder.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string output;  // stdout and stderr
+};
+
+Outcome run(const std::string& arguments) {
+  Outcome outcome;
+  const std::string command = "{ " + std::string(SIGHTLINE_PROGRAM) + " " + arguments + "; } 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return outcome;
+  std::array<char, 4096> buffer;
+  while (const size_t size = fread(buffer.data(), 1, buffer.size(), pipe)) {
+    outcome.output.append(buffer.data(), size);
+  }
+  const int status = pclose(pipe);
+  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+size_t lines_of(const std::string& text) {
+  return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+class Program : public testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
+  std::string results(const std::string& run_name, const std::string& file) const {
+    return read_whole(folder_.path() / run_name / file);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(Program, RunsTable1FromMeshToReport) {
+  const Outcome outcome = run("study boeing-table1 --trials 2 --out " + path("run"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  for (const char* file : {"study.toml", "manifest.json", "results.sqlite", "results.csv",
+                           "summary.json", "report.html"}) {
+    EXPECT_TRUE(fs::exists(folder_.path() / "run" / file)) << file;
+  }
+  EXPECT_THAT(outcome.output, HasSubstr("report.html"));
+  EXPECT_THAT(outcome.output, HasSubstr("2.07"));  // the paper's mean stands beside ours
+  EXPECT_EQ(lines_of(results("run", "results.csv")), 1 + 8 * 3u);  // header, 8 trials x 3 solvers
+  const auto summary = nlohmann::json::parse(results("run", "summary.json"));
+  EXPECT_EQ(summary["study"], "boeing-table1");
+  EXPECT_EQ(summary["cells"].size(), 4 * 3u);
+  EXPECT_THAT(results("run", "report.html"), HasSubstr("</html>"));
+}
+
+TEST_F(Program, JobsShardsAndRepetitionsGiveTheSameResults) {
+  const std::string study = "study boeing-random --trials 5 --quiet ";
+  ASSERT_EQ(run(study + "--out " + path("one")).exit_code, 0);
+  ASSERT_EQ(run(study + "--jobs 2 --out " + path("two")).exit_code, 0);
+  std::string merge = "merge";
+  for (int i = 0; i < 3; ++i) {
+    const std::string shard = path("shard" + std::to_string(i));
+    ASSERT_EQ(run(study + "--shard " + std::to_string(i) + "/3 --out " + shard).exit_code, 0);
+    merge += " " + shard;
+  }
+  ASSERT_EQ(run(merge + " --out " + path("merged")).exit_code, 0);
+  for (const char* file : {"results.csv", "summary.json"}) {
+    EXPECT_EQ(results("one", file), results("two", file)) << file;
+    EXPECT_EQ(results("one", file), results("merged", file)) << file;
+  }
+  ASSERT_EQ(run(study + "--seed 2 --out " + path("other")).exit_code, 0);
+  EXPECT_NE(results("one", "results.csv"), results("other", "results.csv"));
+
+  // The other half of the promise: shards that do not belong together are refused.
+  const Outcome missing =
+      run("merge " + path("shard0") + " " + path("shard1") + " --out " + path("x"));
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_THAT(missing.output, HasSubstr("shard 2 of 3 is missing"));
+  const Outcome twice =
+      run("merge " + path("shard0") + " " + path("shard0") + " --out " + path("x"));
+  EXPECT_THAT(twice.output, HasSubstr("both shard 0 of 3"));
+  const Outcome mixed = run("merge " + path("one") + " " + path("other") + " --out " + path("x"));
+  EXPECT_THAT(mixed.output, HasSubstr("differs"));
+  EXPECT_FALSE(fs::exists(path("x")));
+}
+
+TEST_F(Program, ReportIsWrittenAnewFromTheTrials) {
+  ASSERT_EQ(run("study boeing-random --trials 2 --quiet --out " + path("run")).exit_code, 0);
+  const std::string csv = results("run", "results.csv");
+  fs::remove(folder_.path() / "run" / "results.csv");
+  fs::remove(folder_.path() / "run" / "report.html");
+  const Outcome outcome = run("report " + path("run"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_EQ(results("run", "results.csv"), csv);
+  EXPECT_TRUE(fs::exists(folder_.path() / "run" / "report.html"));
+}
+
+TEST_F(Program, TrialsThatCannotBeImagedAreCountedAndSaid) {
+  const Outcome outcome =
+      run("study boeing-random --trials 2 --set 'poses.lateral_m=[400, 500]' --set "
+          "poses.max_redraws=1 --out " +
+          path("run"));
+  EXPECT_EQ(outcome.exit_code, 4) << outcome.output;
+  EXPECT_THAT(results("run", "results.csv"), HasSubstr("not imaged"));
+}
+
+TEST_F(Program, BadInputIsOneLineAndLeavesNothing) {
+  const std::string out = " --out " + path("run");
+  const auto bad_mesh = folder_.write("bad.glb", "nonsense");
+  const auto bad_toml = folder_.write("bad.toml", "a = = 1\n");
+  for (const std::string& arguments :
+       {"study boeing-tabel1" + out, "study " + bad_toml.string() + out,
+        "study boeing-table1 --set trails=2" + out, "study boeing-table1 --set target=teapot" + out,
+        "study boeing-table1 --set target=" + bad_mesh.string() + out,
+        "study boeing-table1 --set target=/no/such.glb" + out,
+        "study boeing-table1 --trials 1 --out " + bad_toml.string(),
+        std::string("study boeing-table1 --trials 1 --out /proc/nowhere"),
+        "study boeing-table1 --shard 3/2" + out, "target " + bad_mesh.string(),
+        std::string("target boing707"), std::string("list target"),
+        "merge " + path("nothing") + out, "report " + path("nothing")}) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.exit_code, 1) << arguments << "\n" << outcome.output;
+    EXPECT_EQ(lines_of(outcome.output), 1u) << arguments << "\n" << outcome.output;
+  }
+  EXPECT_FALSE(fs::exists(path("run")));
+  // Nothing but the two files written above: no staging folder is left.
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
+}
+
+TEST_F(Program, AnOutputFolderInUseIsRefusedAndKept) {
+  folder_.write("kept.txt", "precious");
+  const Outcome outcome = run("study boeing-table1 --trials 1 --out " + folder_.path().string());
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("not empty"));
+  EXPECT_EQ(read_whole(folder_.path() / "kept.txt"), "precious");
+}
+
+TEST_F(Program, UsageErrorsExitWithTwo) {
+  EXPECT_EQ(run("").exit_code, 2);
+  EXPECT_EQ(run("fly").exit_code, 2);
+  EXPECT_EQ(run("study").exit_code, 2);
+  EXPECT_EQ(run("study boeing-table1 --trials many").exit_code, 2);
+  EXPECT_EQ(run("--help").exit_code, 0);
+  EXPECT_EQ(run("--version").exit_code, 0);
+}
+
+TEST_F(Program, ListsWhatTheCataloguesHold) {
+  const Outcome all = run("list");
+  EXPECT_EQ(all.exit_code, 0);
+  for (const char* name : {"boeing707", "cube", "hough_intersection", "shi_tomasi_nearest", "orpe",
+                           "lspe", "oracle", "boeing-table1", "boeing-random"}) {
+    EXPECT_THAT(all.output, HasSubstr(name));
+  }
+  EXPECT_THAT(run("list solvers").output, testing::Not(HasSubstr("cube")));
+}
+
+TEST_F(Program, DescribesAndDrawsATarget) {
+  const Outcome outcome = run("target boeing707 --picture " + path("b.png"));
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("46.610"));
+  EXPECT_THAT(outcome.output, HasSubstr("closed"));
+  EXPECT_GT(fs::file_size(path("b.png")), 1000u);
+  EXPECT_EQ(run("target cube --picture " + path("no/b.png")).exit_code, 1);
+}
+
+TEST_F(Program, AnInterruptLeavesNothing) {
+  // SIGINT to the program after a second, while it draws 4000 images in two processes.
+  const Outcome outcome =
+      run("study boeing-table1 --trials 1000 --jobs 2 --quiet --out " + path("run") +
+          " & pid=$!; sleep 1; kill -INT $pid; wait $pid; echo exit $?");
+  EXPECT_THAT(outcome.output, HasSubstr("interrupted"));
+  EXPECT_THAT(outcome.output, HasSubstr("exit 130"));
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,541 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/report/report.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "eval/report/evidence.h"
+#include "eval/report/frame_svg.h"
+#include "eval/report/means.h"
+#include "eval/report/outline.h"
+#include "eval/report/text.h"
+#include "pose/attitude.h"
+#include "scenes/input_error.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr int kSide = 64;
+// A feature whose name would break a page that forgets to escape.
+constexpr const char* kEvilName = "tip <b>&\"quoted\"";
+
+Mesh one_triangle() {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.parts = {{"plate", 0.8}};
+  const Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
+  mesh.triangles = {{{0, 1, 2}, 0, {normal, normal, normal}}};
+  return mesh;
+}
+
+std::shared_ptr<const Target> small_target() {
+  const Mesh mesh = one_triangle();
+  std::vector<TargetFeature> features(4);
+  const char* names[] = {kEvilName, "root", "fin", "nose"};
+  for (size_t i = 0; i < features.size(); ++i) features[i].name = names[i];
+  return std::make_shared<Target>(
+      Target{"plate", "one triangle", mesh, {}, std::move(features), Occluder(mesh)});
+}
+
+Study small_study() {
+  Study study;
+  study.name = "small";
+  study.title = "A small study of <plates>";
+  study.question = "Is 1 < 2 & 2 > 1?";
+  study.draws = 2;
+  study.conditions = {{"pose 1", {{"pose", 1}}, {{"orpe", {2.07, 1.6}}}},
+                      {"pose 2", {{"pose", 2}}, {{"orpe", {3.07, 2.6}}}}};
+  study.poses.theta_deg = {{-20, 30, 40}, {20, 30, 30}};
+  study.poses.t_m = {{-5, 5, 1300}, {5, 5, 1500}};
+  study.target = small_target();
+  study.features = {0, 1, 2, 3};
+  study.camera = centred_camera(kSide, kSide, 1000);
+  study.extractors = {find_feature_extractor("hough_intersection"),
+                      find_feature_extractor("shi_tomasi_nearest")};
+  study.solvers = {find_pose_solver("orpe"), find_pose_solver("lspe"), find_pose_solver("oracle")};
+  study.toml = "# </code><script>alert(1)</script>\nseed = 1\n";
+  return study;
+}
+
+ObservationRecord found(const std::string& name, const Eigen::Vector2d& pixel, double error_px,
+                        bool is_outlier = false) {
+  ObservationRecord record;
+  record.feature = name;
+  record.status = "found";
+  record.is_visible = true;
+  record.pixel = pixel;
+  record.true_pixel = pixel - Eigen::Vector2d(error_px, 0);
+  record.error_px = error_px;
+  record.is_outlier = is_outlier;
+  return record;
+}
+
+ObservationRecord missing(const std::string& name, ObservationStatus status) {
+  ObservationRecord record;
+  record.feature = name;
+  record.status = to_string(status);
+  return record;
+}
+
+EstimateRecord estimate(const std::string& solver, double theta_error_deg,
+                        const std::string& status = "ok") {
+  EstimateRecord record;
+  record.solver = solver;
+  record.status = status;
+  record.theta_error_deg = theta_error_deg;
+  record.t_error_percent = theta_error_deg / 2;
+  return record;
+}
+
+TrialRecord small_trial(int64_t index, double orpe_error_deg) {
+  TrialRecord trial;
+  trial.trial = index;
+  trial.condition = static_cast<int>(index % 2);
+  trial.true_cam_from_target.translation = {0, 0, 1300};
+  trial.observations = {found(kEvilName, {20, 20}, 0.4), found("root", {40, 22}, 9.5, true),
+                        missing("fin", ObservationStatus::kTooFewEdgePixels),
+                        found("nose", {30, 45}, 0.2)};
+  trial.estimates = {estimate("orpe", orpe_error_deg), estimate("lspe", orpe_error_deg + 1),
+                     estimate("oracle", 0.1)};
+  trial.estimates[0].removed = {"root"};
+  return trial;
+}
+
+Observation observed(int feature, const cv::Rect& window) {
+  Observation observation;
+  observation.feature = feature;
+  observation.window = window;
+  ImageLine line;
+  line.point = {window.x + 5.0, window.y + 5.0};
+  line.direction = Eigen::Vector2d(3, 4) / 5;
+  line.edge_pixels = {line.point, line.point + Eigen::Vector2d(3, 4)};
+  observation.lines = {line};
+  return observation;
+}
+
+FrameEvidence small_frame(const TrialRecord& record) {
+  FrameEvidence frame;
+  frame.caption = "pose 1, draw 1; worst of ORPE";
+  frame.trial.record = record;
+  frame.trial.frame.image = cv::Mat(kSide, kSide, CV_8U, cv::Scalar(40));
+  frame.trial.frame.image(cv::Rect(16, 16, 24, 24)) = 200;
+  frame.trial.observations = {observed(0, {12, 12, 17, 17}), observed(1, {32, 14, 17, 17}),
+                              observed(2, {12, 40, 17, 17}), observed(3, {22, 37, 17, 17})};
+  frame.outlines["orpe"] = {{{15.5, 15.5}, {39.5, 15.5}, {39.5, 39.5}, {15.5, 39.5}}};
+  return frame;
+}
+
+ErrorSummary error_summary(double mean) {
+  ErrorSummary summary;
+  summary.mean = mean;
+  summary.mean_ci95 = {mean - 0.3, mean + 0.4};
+  summary.median = mean - 0.05;
+  return summary;
+}
+
+Summary small_summary() {
+  Summary summary;
+  for (int condition = 0; condition < 2; ++condition) {
+    for (const char* solver : {"orpe", "lspe", "oracle"}) {
+      CellSummary cell;
+      cell.condition = condition;
+      cell.solver = solver;
+      cell.trials = 2;
+      cell.failures = condition;
+      cell.theta_error_deg = error_summary(1.25 + condition);
+      cell.t_error_percent = error_summary(0.75);
+      cell.ratio_to_bound = std::numeric_limits<double>::quiet_NaN();
+      summary.cells.push_back(cell);
+    }
+    CellObservations observations;
+    observations.condition = condition;
+    observations.trials = 2;
+    observations.inlier_rms_px = 0.31;
+    observations.bound_theta_deg = 0.123;
+    observations.bound_t_percent = 0.0456;
+    observations.outliers = 1;
+    summary.observations.push_back(observations);
+    for (const char* feature : {kEvilName, "root", "fin", "nose"}) {
+      summary.features.push_back({condition, feature, 2, 2, 0, 0.3, 0.25});
+    }
+  }
+  return summary;
+}
+
+// Lines may break wherever a page has a space.
+std::string one_line(const std::string& text) {
+  return std::regex_replace(text, std::regex(R"([ \n]+)"), " ");
+}
+
+// A report of everything, held together.
+struct SmallReport {
+  Study study = small_study();
+  Summary summary = small_summary();
+  std::vector<TrialRecord> trials = {small_trial(0, 1), small_trial(1, 5), small_trial(2, 2),
+                                     small_trial(3, 3)};
+  std::vector<FrameEvidence> frames = {small_frame(trials[0])};
+
+  ReportInput input() const {
+    return {study, summary, trials, frames, {{"version", "0.1.0"}, {"machine", "two <cores>"}}};
+  }
+  std::string page() const { return one_line(render_report(input())); }
+};
+
+// What a page would load or leave for: none may point outside the page.
+std::vector<std::string> outside_references(const std::string& page) {
+  const std::regex reference(
+      R"re((src|href|action|poster|data)\s*=\s*["']([^"']*)["']|url\(([^)]*)\)|@import)re");
+  std::vector<std::string> outside;
+  for (std::sregex_iterator i(page.begin(), page.end(), reference), end; i != end; ++i) {
+    const std::string address = (*i)[2].str() + (*i)[3].str();
+    const bool is_inside = address.starts_with("#") || address.starts_with("data:");
+    if (!is_inside) outside.push_back(i->str());
+  }
+  return outside;
+}
+
+size_t count(const std::string& text, const std::string& part) {
+  size_t times = 0;
+  for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++times;
+  return times;
+}
+
+// HasSubstr would print the whole page.
+::testing::AssertionResult has(const std::string& page, const std::string& part) {
+  const bool is_there = page.find(part) != std::string::npos;
+  return (is_there ? ::testing::AssertionSuccess() : ::testing::AssertionFailure())
+         << "the page " << (is_there ? "has " : "lacks ") << part;
+}
+
+// Sets an environment variable for as long as it lives.
+class ScopedVariable {
+ public:
+  ScopedVariable(const char* name, const std::string& value) : name_(name) {
+    if (const char* old = std::getenv(name)) old_ = old;
+    ::setenv(name, value.c_str(), 1);
+  }
+  ~ScopedVariable() { old_ ? ::setenv(name_, old_->c_str(), 1) : ::unsetenv(name_); }
+  ScopedVariable(const ScopedVariable&) = delete;
+  ScopedVariable& operator=(const ScopedVariable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> old_;
+};
+
+TEST(Report, IsSelfContained) {
+  const std::string page = SmallReport().page();
+  EXPECT_THAT(outside_references(page), ElementsAre());
+  EXPECT_FALSE(has(page, "http://"));
+  EXPECT_FALSE(has(page, "https://"));
+}
+
+TEST(Report, TheSelfContainedCheckSeesWhatIsOutside) {
+  EXPECT_EQ(outside_references(R"html(<script src="chart.js"></script>)html").size(), 1u);
+  EXPECT_EQ(outside_references(R"html(<a href='//x.org'>x</a>)html").size(), 1u);
+  EXPECT_EQ(outside_references(R"html(<p style="background: url(x.png)">)html").size(), 1u);
+  EXPECT_THAT(outside_references(R"html(<a href="#table"></a><img src="data:x">)html"),
+              ElementsAre());
+}
+
+TEST(Report, HasEveryFigureAndAWayToIt) {
+  const std::string page = SmallReport().page();
+  for (const ReportFigure& figure : report_figures()) {
+    const std::string name(figure.name);
+    EXPECT_EQ(count(page, "<section id=\"" + name + "\""), 1u) << name;
+    EXPECT_TRUE(has(page, "<li><a href=\"#" + name + "\">"));
+  }
+}
+
+TEST(Report, LeavesOutAFigureThatDoesNotApply) {
+  SmallReport report;
+  report.frames.clear();
+  const std::string page = report.page();
+  EXPECT_FALSE(has(page, "<section id=\"frames\""));
+  EXPECT_FALSE(has(page, "href=\"#frames\""));
+}
+
+TEST(Report, EscapesWhatOthersNamed) {
+  const std::string page = SmallReport().page();
+  EXPECT_TRUE(has(page, "tip &lt;b&gt;&amp;&quot;quoted&quot;"));
+  EXPECT_FALSE(has(page, "tip <b>"));
+  EXPECT_TRUE(has(page, "A small study of &lt;plates&gt;"));
+  EXPECT_TRUE(has(page, "two &lt;cores&gt;"));
+  EXPECT_FALSE(has(page, "<script>alert"));
+}
+
+TEST(Report, HasNoTemplateTagLeft) {
+  EXPECT_FALSE(has(SmallReport().page(), "{{"));
+}
+
+TEST(Report, EveryFragmentHasItsAnchorOnce) {
+  const std::string page = SmallReport().page();
+  const std::regex fragment(R"re(href="#([^"]+)")re");
+  for (std::sregex_iterator i(page.begin(), page.end(), fragment), end; i != end; ++i) {
+    EXPECT_EQ(count(page, " id=\"" + (*i)[1].str() + "\""), 1u) << i->str();
+  }
+}
+
+TEST(Report, SaysWhatPageFileIsMissing) {
+  const ScopedVariable assets("SIGHTLINE_ASSETS", "/nowhere/assets");
+  try {
+    SmallReport().page();
+    FAIL() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/nowhere/assets/report/"));
+  }
+}
+
+TEST(ReportCatalogue, EqualsTheFolder) {
+  const std::set<std::string> helpers = {"evidence", "frame_svg", "means",
+                                         "outline",  "report",    "text"};
+  std::set<std::string> files;
+  for (const auto& entry : fs::directory_iterator(SIGHTLINE_SOURCE_DIR "/eval/report")) {
+    if (entry.path().extension() == ".cpp") files.insert(entry.path().stem());
+  }
+  for (const std::string& helper : helpers) EXPECT_EQ(files.erase(helper), 1u) << helper;
+  std::set<std::string> names;
+  for (const ReportFigure& figure : report_figures()) names.emplace(figure.name);
+  EXPECT_EQ(names, files);
+  EXPECT_EQ(names.size(), report_figures().size());
+}
+
+TEST(AnswerFigure, StatesMeansIntervalsFailuresAndThePaper) {
+  const std::string page = SmallReport().page();
+  EXPECT_TRUE(has(page, "Is 1 &lt; 2 &amp; 2 &gt; 1?"));
+  EXPECT_TRUE(has(page, "<b>1.75°</b>"));  // of 1.25 and 2.25
+  EXPECT_TRUE(has(page, "The paper’s figures average 2.57° and 2.1&nbsp;%"));
+  EXPECT_TRUE(has(page, "1 of 4 trials without a pose"));
+}
+
+TEST(AnswerFigure, ComparesSolversTrialByTrial) {
+  SmallReport report;
+  EXPECT_TRUE(has(report.page(), "the θ error of ORPE is 1.00° [1.00, 1.00] smaller"));
+  for (size_t i = 0; i < report.trials.size(); ++i) {
+    report.trials[i].estimates[1].theta_error_deg =
+        report.trials[i].estimates[0].theta_error_deg + (i % 2 == 0 ? 0.5 : -0.5);
+  }
+  EXPECT_TRUE(has(report.page(), "do not tell the θ errors of ORPE and LSPE apart"));
+}
+
+TEST(TableFigure, StandsBesideThePaper) {
+  const std::string page = SmallReport().page();
+  EXPECT_TRUE(has(page, "(−20, 30, 40)"));
+  EXPECT_TRUE(has(page, "(−5, 5, 1300)"));
+  EXPECT_TRUE(has(page, "<td class=\"beside\">2.07</td>"));
+  EXPECT_TRUE(has(page, "[0.95, 1.65]"));
+  EXPECT_TRUE(has(page, "<th scope=\"row\">mean</th>"));
+  EXPECT_TRUE(has(page, "3 of 12 estimates failed"));
+}
+
+TEST(TableFigure, ShowsMediansWhereThePaperPrintsNothing) {
+  SmallReport report;
+  for (Condition& condition : report.study.conditions) condition.paper.clear();
+  report.study.poses.theta_deg.clear();
+  report.study.poses.t_m.clear();
+  const std::string page = report.page();
+  EXPECT_TRUE(has(page, "class=\"beside\">median</th>"));
+  EXPECT_TRUE(has(page, "<td class=\"beside\">1.20</td>"));
+  EXPECT_FALSE(has(page, "class=\"beside\">paper</th>"));
+  EXPECT_FALSE(has(page, "The paper"));
+  EXPECT_FALSE(has(page, "<th scope=\"row\">mean</th>"));
+}
+
+TEST(ExtractionFigure, SaysWhyAFeatureWasMissing) {
+  const std::string page = SmallReport().page();
+  EXPECT_TRUE(has(page, "too few edge pixels (4)"));
+  EXPECT_TRUE(has(page, "4 (100.0 %)"));  // outliers of root
+}
+
+TEST(FramesFigure, ShowsTheEvidence) {
+  const std::string page = SmallReport().page();
+  EXPECT_EQ(count(page, "data:image/png;base64,"), 1u);  // once a frame, however many close-ups
+  EXPECT_EQ(count(page, "<use href=\"#frame-1-image\"/>"), 4u);
+  EXPECT_TRUE(has(page, "root: removed by ORPE"));
+  EXPECT_TRUE(has(page, "<td class=\"text\">p2</td>"));
+  EXPECT_TRUE(has(page, "fin: too few edge pixels"));
+  EXPECT_TRUE(has(page, "id=\"frame-1-outline-0\""));
+  EXPECT_FALSE(has(page, "id=\"frame-1-outline-1\""));  // no outline of LSPE was given
+  for (const char* layer :
+       {"windows", "edges", "lines", "found", "truth", "removed", "outline-2"}) {
+    EXPECT_TRUE(has(page, std::string("id=\"show-") + layer + "\""));
+  }
+}
+
+TEST(FramesFigure, MarksNoRemovalWhereNothingWasRemoved) {
+  SmallReport report;
+  report.frames[0].trial.record.estimates[0].removed.clear();
+  EXPECT_FALSE(has(report.page(), "class=\"layer-removed"));
+}
+
+TEST(FramesFigure, ShowsAFailedSolverAndAFrameWithoutImage) {
+  SmallReport report;
+  report.frames[0].trial.record.estimates[0].status = "too_few_points";
+  EXPECT_TRUE(has(report.page(), "no pose: too few points"));
+  report.frames[0].trial.frame.image.release();
+  EXPECT_FALSE(has(report.page(), "data:image/png"));
+}
+
+TEST(FrameSvg, PutsPixelCentresAtIntegers) {
+  EXPECT_EQ(view_box({0, 0, 64, 32}), "-0.5 -0.5 64 32");
+  EXPECT_TRUE(has(SmallReport().page(), "x=\"-0.5\" y=\"-0.5\" width=\"64\" height=\"64\""));
+}
+
+TEST(FrameSvg, CutsLinesAtTheirWindow) {
+  Observation observation = observed(0, {10, 20, 11, 11});
+  observation.lines[0].point = {15, 25};
+  observation.lines[0].direction = Eigen::Vector2d::UnitX();
+  const ObservationRecord record = missing("a", ObservationStatus::kParallelLines);
+  EXPECT_THAT(feature_marks(observation, record, {}), HasSubstr("d=\"M9.5 25L20.5 25\""));
+  observation.lines[0].point = {15, 40};  // passes by the window
+  EXPECT_THAT(feature_marks(observation, record, {}), Not(HasSubstr("layer-lines")));
+}
+
+TEST(FrameSvg, DrawsOutlinesAsClosedPaths) {
+  EXPECT_EQ(outline_path({{{0, 0.25}, {1.5, 0}, {1, 2}}}), "M0 0.25L1.5 0L1 2Z");
+  EXPECT_EQ(outline_path({}), "");
+}
+
+TEST(Outline, FinerCamerasSeeTheSame) {
+  const Camera coarse = centred_camera(512, 512, 10000);
+  const Camera fine = finer(coarse, 4);
+  const Eigen::Vector3d x(3, -7, 1300);
+  const Eigen::Vector2d in_coarse = *project(coarse, x);
+  const Eigen::Vector2d in_fine = *project(fine, x);
+  const Eigen::Vector2d half(0.5, 0.5);
+  EXPECT_LT(((in_fine + half) / 4 - half - in_coarse).norm(), 1e-9);
+}
+
+// Half a subdivided pixel inside the silhouette, and half a one of the raster.
+constexpr double kOutlineTolerancePx = 0.3;
+
+Scene cube_scene() {
+  Scene scene;
+  scene.target = load_target("cube");
+  scene.camera = centred_camera(256, 256, 2000);
+  scene.cam_from_target.rotation = rotation_from_attitude({0.4, -0.3, 0.2});
+  scene.cam_from_target.translation = {0.3, -0.2, 20};
+  return scene;
+}
+
+TEST(Outline, SpansWhatTheMeshProjectsTo) {
+  Renderer renderer;
+  const Scene scene = cube_scene();
+  const Outline outline = target_outline(renderer, scene, scene.cam_from_target);
+  ASSERT_EQ(outline.size(), 1u);
+  Eigen::AlignedBox2d drawn;
+  for (const Eigen::Vector2d& pixel : outline[0]) drawn.extend(pixel);
+  Eigen::AlignedBox2d projected;
+  for (const Eigen::Vector3d& vertex : scene.target->mesh.vertices) {
+    projected.extend(*project(scene.camera, scene.cam_from_target * vertex));
+  }
+  EXPECT_LT((drawn.min() - projected.min()).cwiseAbs().maxCoeff(), kOutlineTolerancePx);
+  EXPECT_LT((drawn.max() - projected.max()).cwiseAbs().maxCoeff(), kOutlineTolerancePx);
+}
+
+TEST(Outline, OfWhatCannotBeImagedIsEmpty) {
+  Renderer renderer;
+  const Scene scene = cube_scene();
+  Pose behind = scene.cam_from_target;
+  behind.translation.z() = -20;
+  EXPECT_TRUE(target_outline(renderer, scene, behind).empty());
+}
+
+TEST(Evidence, TakesTheFirstDrawOfEachConditionAndTheWorst) {
+  const SmallReport report;
+  const auto choices = choose_frames(report.study, report.trials);
+  ASSERT_EQ(choices.size(), 2u);  // the other reasons are shown by the same trials
+  EXPECT_EQ(choices[0].trial, 0);
+  EXPECT_EQ(choices[0].caption, "pose 1, draw 1; ORPE removes an outlier");
+  EXPECT_EQ(choices[1].trial, 1);
+  EXPECT_EQ(choices[1].caption, "pose 2, draw 1; worst pose of ORPE");
+}
+
+TEST(Evidence, TakesAFailureAndAWrongRemoval) {
+  SmallReport report;
+  report.trials[2].estimates[0].status = "diverged";
+  report.trials[3].estimates[0].false_removals = 1;
+  const auto choices = choose_frames(report.study, report.trials);
+  ASSERT_EQ(choices.size(), 4u);
+  EXPECT_EQ(choices[2].trial, 3);
+  EXPECT_EQ(choices[2].caption, "ORPE removes an inlier");
+  EXPECT_EQ(choices[3].trial, 2);
+  EXPECT_EQ(choices[3].caption, "ORPE finds no pose");
+}
+
+TEST(Evidence, OfARandomStudyTakesEachTrialOnceAndAtMostEight) {
+  SmallReport report;
+  report.study.conditions.resize(1);
+  report.trials.clear();
+  for (int i = 0; i < 30; ++i) {
+    report.trials.push_back(small_trial(i, 30 - i));
+    report.trials.back().condition = 0;
+  }
+  std::set<int64_t> trials;
+  const auto choices = choose_frames(report.study, report.trials);
+  for (const FrameChoice& choice : choices) trials.insert(choice.trial);
+  EXPECT_EQ(trials.size(), choices.size());
+  EXPECT_LE(choices.size(), 8u);
+  EXPECT_EQ(choices.front().trial, 0);  // the first is the worst as well
+  EXPECT_THAT(choices.front().caption, HasSubstr("first draw; worst pose of ORPE"));
+}
+
+TEST(Evidence, OfATrialWithoutAnyPoseIsThatTrial) {
+  SmallReport report;
+  report.study.conditions.resize(1);
+  report.trials.resize(1);
+  report.trials[0].estimates[0].status = "too_few_points";
+  const auto choices = choose_frames(report.study, report.trials);
+  ASSERT_EQ(choices.size(), 1u);
+  EXPECT_EQ(choices[0].caption, "first draw; ORPE finds no pose");
+}
+
+TEST(Evidence, OfNothingIsNothing) {
+  EXPECT_TRUE(choose_frames(small_study(), {}).empty());
+}
+
+TEST(Means, AddHalfWidthsAsSquares) {
+  const SolverMeans means = means_over_conditions(small_study(), small_summary(), "orpe");
+  EXPECT_DOUBLE_EQ(means.theta_error_deg.mean, 1.75);
+  EXPECT_NEAR(means.theta_error_deg.ci95[0], 1.75 - 0.3 / std::sqrt(2.0), 1e-12);
+  EXPECT_NEAR(means.theta_error_deg.ci95[1], 1.75 + 0.4 / std::sqrt(2.0), 1e-12);
+  EXPECT_FALSE(means_over_conditions(small_study(), small_summary(), "lspe").paper.has_value());
+}
+
+TEST(ReportText, WritesNumbersForReaders) {
+  EXPECT_EQ(measure(1.305), "1.30");
+  EXPECT_EQ(measure(0.01234), "0.012");
+  EXPECT_EQ(measure(1300), "1300");
+  EXPECT_EQ(fixed(-0.001, 2), "0.00");
+  EXPECT_EQ(fixed(-2.5, 1), "−2.5");
+  EXPECT_EQ(measure(std::numeric_limits<double>::quiet_NaN()), "–");
+  EXPECT_EQ(measure(std::numeric_limits<double>::infinity()), "∞");
+  EXPECT_EQ(count_of(3, 100), "3 (3.0 %)");
+  EXPECT_EQ(count_of(0, 100), "0");
+  EXPECT_EQ(count_of(0, 0), "–");
+  EXPECT_EQ(solver_label("orpe"), "ORPE");
+  EXPECT_EQ(solver_label("oracle"), "oracle");
+  EXPECT_EQ(words("too_few_points"), "too few points");
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/study.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "eval/trial.h"
+#include "scenes/assets.h"
+#include "scenes/input_error.h"
+
+namespace sightline {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::string error_of(const std::vector<std::string>& settings) {
+  try {
+    read_study("boeing-table1", {.trials = {}, .seed = {}, .set = settings});
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Study, AllThatShipAreRead) {
+  ASSERT_THAT(study_names(), testing::IsSupersetOf({"boeing-table1", "boeing-random"}));
+  for (const std::string& name : study_names()) {
+    const Study study = read_study(name);
+    EXPECT_EQ(study.name, name);
+    EXPECT_FALSE(study.question.empty());
+    EXPECT_GE(study.solvers.size(), 2u);
+  }
+}
+
+TEST(Study, Table1IsThePapers) {
+  const Study study = read_study("boeing-table1");
+  ASSERT_EQ(study.conditions.size(), 4u);
+  EXPECT_EQ(study.trial_count(), 400);
+  double orpe_deg = 0, orpe_percent = 0;
+  for (const Condition& condition : study.conditions) {
+    orpe_deg += condition.paper.at("orpe").theta_error_deg / 4;
+    orpe_percent += condition.paper.at("orpe").t_error_percent / 4;
+  }
+  EXPECT_NEAR(orpe_deg, 2.07, 0.005);  // the abstract's means
+  EXPECT_NEAR(orpe_percent, 1.6, 0.005);
+  EXPECT_EQ(study.features.size(), 5u);
+}
+
+TEST(Study, OverridesCountAndAreKept) {
+  const Study study =
+      read_study("boeing-table1", {.trials = 3, .seed = 9, .set = {"noise.scale=2"}});
+  EXPECT_EQ(study.trial_count(), 12);
+  EXPECT_EQ(study.seed, 9u);
+  EXPECT_EQ(study.sensor.read_noise_grey, 6);
+  const Study again = read_study_text(study.toml, "study.toml");
+  EXPECT_EQ(again.name, "boeing-table1");
+  EXPECT_EQ(again.trial_count(), 12);
+  EXPECT_EQ(again.sensor.read_noise_grey, 6);
+  EXPECT_EQ(again.toml, study.toml);
+}
+
+TEST(Study, MistakesGetOneClearLine) {
+  EXPECT_THAT(error_of({"trails=3"}), AllOf(HasSubstr("trails"), HasSubstr("'trials'")));
+  EXPECT_THAT(error_of({"image.backgroud=0.2"}), HasSubstr("did you mean 'background'"));
+  EXPECT_THAT(error_of({"target=boeing708"}), HasSubstr("did you mean 'boeing707'"));
+  EXPECT_THAT(error_of({"solvers=['orpee']"}), HasSubstr("did you mean 'orpe'"));
+  EXPECT_THAT(error_of({"features=['nos']"}), HasSubstr("did you mean 'nose'"));
+  EXPECT_THAT(error_of({"extraction.corner=shi_tomasi"}), HasSubstr("shi_tomasi_nearest"));
+  EXPECT_THAT(error_of({"image.samples_per_pixel=5"}), HasSubstr("1, 4, 16 or 64"));
+  EXPECT_THAT(error_of({"camera.f_px=-1"}), HasSubstr("camera.f_px"));
+  EXPECT_THAT(error_of({"solvers=[]"}), HasSubstr("at least one"));
+  EXPECT_THAT(error_of({"solvers=['orpe', 'orpe']"}), HasSubstr("twice"));
+  EXPECT_THAT(error_of({"trials=0"}), HasSubstr("from 1 to"));
+  EXPECT_THAT(error_of({"poses.range_m=[1, 2]"}), HasSubstr("beside"));
+}
+
+TEST(Study, AFixedPoseThatCannotBeImagedIsAnInputError) {
+  EXPECT_THAT(error_of({"poses.fixed=[{theta_deg=[0,0,0], t_m=[0,0,-100]}]"}),
+              AllOf(HasSubstr("poses.fixed[0]"), HasSubstr("behind the camera")));
+  EXPECT_THAT(error_of({"poses.fixed=[{theta_deg=[0,0,0], t_m=[500,0,1300]}]"}),
+              HasSubstr("outside the image"));
+}
+
+TEST(Trial, DependsOnNothingButStudyAndIndex) {
+  const Study study = read_study("boeing-table1", {.trials = 2, .seed = {}, .set = {}});
+  Renderer one, other;
+  run_trial(study, 0, other);  // another history
+  const Trial a = run_trial(study, 5, one);
+  const Trial b = run_trial(study, 5, other);
+  ASSERT_EQ(a.record.estimates.size(), b.record.estimates.size());
+  for (size_t i = 0; i < a.record.estimates.size(); ++i) {
+    EXPECT_EQ(a.record.estimates[i].geodesic_deg, b.record.estimates[i].geodesic_deg);
+  }
+  const Trial c = run_trial(study, 1, one);  // the same pose, another draw
+  EXPECT_EQ(c.record.condition, a.record.condition);
+  EXPECT_NE(c.record.true_cam_from_target.translation, a.record.true_cam_from_target.translation);
+}
+
+TEST(Trial, ErrsLittleWhenNothingIsInTheWay) {
+  // Without noise, blur or an erring prior, and with what the true pose shows, the extraction's own
+  // bias is what remains: well below the paper's two degrees for the oracle.
+  const Study study =
+      read_study("boeing-table1", {.trials = 3,
+                                   .seed = {},
+                                   .set = {"noise.scale=0", "prior.attitude_deg=0",
+                                           "prior.range_percent=0", "prior.lateral_px=0"}});
+  Renderer renderer;
+  for (int64_t i = 0; i < study.trial_count(); ++i) {
+    const Trial trial = run_trial(study, i, renderer);
+    EXPECT_EQ(geodesic_angle_rad(trial.record.true_cam_from_target.rotation,
+                                 trial.record.prior_cam_from_target.rotation),
+              0);
+    for (const EstimateRecord& estimate : trial.record.estimates) {
+      if (estimate.solver == "oracle" && estimate.is_ok()) {
+        EXPECT_LT(estimate.t_error_percent, 2);
+      }
+    }
+  }
+}
+
+TEST(Trial, APoseDrawnOutOfSightIsAFailedRow) {
+  const Study study = read_study(
+      "boeing-random",
+      {.trials = 1, .seed = {}, .set = {"poses.lateral_m=[400, 500]", "poses.max_redraws=2"}});
+  Renderer renderer;
+  const Trial trial = run_trial(study, 0, renderer);
+  EXPECT_EQ(trial.record.redraws, 2);
+  ASSERT_EQ(trial.record.estimates.size(), study.solvers.size());
+  for (const EstimateRecord& estimate : trial.record.estimates) {
+    EXPECT_EQ(estimate.status, "not imaged");
+  }
+}
+
+}  // namespace
+}  // namespace sightline

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "renderer/sensor.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+namespace sightline {
+namespace {
+
+constexpr int kSize = 256;
+constexpr double kPixels = kSize * kSize;
+
+Sensor clean(int bits = 8) {
+  return {.psf_sigma_px = 0, .read_noise_grey = 0, .full_well_electrons = 0, .bits = bits};
+}
+
+RandomStream stream() {
+  return RandomStream(1, "sensor", 0);
+}
+
+TEST(Sensor, QuantisesToItsBits) {
+  for (const int bits : {1, 4, 8, 10, 12, 16}) {
+    const double white = std::exp2(bits) - 1;
+    const cv::Mat image = expose(cv::Mat(4, 4, CV_32F, cv::Scalar(0.7)), clean(bits), stream());
+    EXPECT_EQ(image.type(), bits <= 8 ? CV_8U : CV_16U);
+    const double value = bits <= 8 ? image.at<uint8_t>(1, 1) : image.at<uint16_t>(1, 1);
+    EXPECT_EQ(value, std::round(0.7f * white)) << bits;
+  }
+}
+
+TEST(Sensor, ClipsAtBlackAndWhite) {
+  EXPECT_EQ(expose(cv::Mat(1, 1, CV_32F, cv::Scalar(1.5)), clean(), stream()).at<uint8_t>(0, 0),
+            255);
+  EXPECT_EQ(expose(cv::Mat(1, 1, CV_32F, cv::Scalar(-1)), clean(), stream()).at<uint8_t>(0, 0), 0);
+}
+
+TEST(Sensor, ReadNoiseHasItsStandardDeviation) {
+  Sensor sensor = clean(16);
+  sensor.read_noise_grey = 3;
+  const cv::Mat image = expose(cv::Mat(kSize, kSize, CV_32F, cv::Scalar(0.5)), sensor, stream());
+  cv::Scalar mean, sd;
+  cv::meanStdDev(image, mean, sd);
+  const double grey = 65535.0 / 255;
+  EXPECT_NEAR(mean[0] / grey, 127.5, 5 * 3 / std::sqrt(kPixels));
+  EXPECT_NEAR(sd[0] / grey, 3, 5 * 3 / std::sqrt(2 * kPixels));
+}
+
+TEST(Sensor, PhotonNoiseGrowsAsTheRootOfTheLight) {
+  Sensor sensor = clean(16);
+  sensor.full_well_electrons = 10000;
+  for (const double light : {0.1, 0.4}) {
+    const cv::Mat image =
+        expose(cv::Mat(kSize, kSize, CV_32F, cv::Scalar(light)), sensor, stream());
+    cv::Scalar mean, sd;
+    cv::meanStdDev(image, mean, sd);
+    const double expected = std::sqrt(light / 10000);
+    EXPECT_NEAR(sd[0] / 65535, expected, 5 * expected / std::sqrt(2 * kPixels));
+  }
+}
+
+TEST(Sensor, ThePointSpreadKeepsTheLightAndHasItsWidth) {
+  cv::Mat point = cv::Mat::zeros(41, 41, CV_32F);
+  point.at<float>(20, 20) = 1;
+  Sensor sensor = clean(16);
+  sensor.psf_sigma_px = 1.2;
+  cv::Mat image;
+  expose(point, sensor, stream()).convertTo(image, CV_64F, 1 / 65535.0);
+  EXPECT_NEAR(cv::sum(image)[0], 1, 1e-3);
+  double variance = 0;
+  for (int u = 0; u < 41; ++u) variance += cv::sum(image.col(u))[0] * (u - 20) * (u - 20);
+  EXPECT_NEAR(variance, 1.2 * 1.2, 0.02);
+}
+
+TEST(Sensor, NoNoiseMeansNoNoise) {
+  const cv::Mat light(8, 8, CV_32F, cv::Scalar(0.3));
+  const cv::Mat image = expose(light, clean(), stream());
+  EXPECT_EQ(cv::countNonZero(image != static_cast<int>(std::round(0.3f * 255))), 0);
+}
+
+}  // namespace
+}  // namespace sightline

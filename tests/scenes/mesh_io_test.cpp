@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/mesh_io.h"
+
+#include <cstdlib>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/builders/cube.h"
+#include "scenes/input_error.h"
+#include "scenes/mesh_inspection.h"
+#include "tests/scenes/temporary_folder.h"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+
+const MeshFrame kGltfFrame{"+z", "+y", 1};
+
+// A unit square of two triangles in the z = 0 plane, each with its own copy of the vertices, then
+// one degenerate and one duplicate triangle.
+constexpr const char* kSquareObj =
+    "o square\n"
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0 0\n"
+    "f 1 2 3\nf 4 5 6\nf 1 2 7\nf 3 1 2\n";
+
+std::string error_of(const std::filesystem::path& file, const MeshFrame& frame = {}) {
+  try {
+    read_mesh(file, frame);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(MeshIo, GlbComesBackAsItWentOut) {
+  const TemporaryFolder folder;
+  const Mesh mesh = build_cube().mesh;
+  write_glb(mesh, folder.path() / "cube.glb");
+  const Mesh back = read_mesh(folder.path() / "cube.glb", kGltfFrame).mesh;
+  ASSERT_EQ(back.vertices.size(), mesh.vertices.size());
+  ASSERT_EQ(back.triangles.size(), mesh.triangles.size());
+  ASSERT_EQ(back.parts.size(), mesh.parts.size());
+  for (size_t part = 0; part < mesh.parts.size(); ++part) {
+    EXPECT_EQ(back.parts[part].name, mesh.parts[part].name);
+    EXPECT_NEAR(back.parts[part].albedo, mesh.parts[part].albedo, 1e-6);
+  }
+  for (const Triangle& triangle : back.triangles) {
+    for (const Eigen::Vector3d& normal : triangle.normal) {
+      EXPECT_LT((normal - face_normal(back, triangle)).norm(), 1e-6);
+    }
+  }
+  EXPECT_EQ(inspect(back).inward_components, 0);
+  EXPECT_NEAR(inspect(back).volume_m3, 1, 1e-6);
+}
+
+TEST(MeshIo, TheSameMeshGivesTheSameBytes) {
+  const TemporaryFolder folder;
+  write_glb(build_cube().mesh, folder.path() / "a.glb");
+  write_glb(build_cube().mesh, folder.path() / "b.glb");
+  EXPECT_EQ(read_whole(folder.path() / "a.glb"), read_whole(folder.path() / "b.glb"));
+}
+
+TEST(MeshIo, WeldsAndCleans) {
+  const TemporaryFolder folder;
+  const LoadedMesh loaded = read_mesh(folder.write("square.obj", kSquareObj));
+  EXPECT_EQ(loaded.mesh.triangles.size(), 2u);
+  EXPECT_EQ(loaded.cleaning.degenerate_triangles, 1);
+  EXPECT_EQ(loaded.cleaning.duplicate_triangles, 1);
+  EXPECT_EQ(inspect(loaded.mesh).components, 1);  // welded along the diagonal
+}
+
+TEST(MeshIo, TurnsAxesAndScalesUnits) {
+  const TemporaryFolder folder;
+  // Two points on the file's x (aft) and y (up) axes, in millimetres.
+  const auto file = folder.write("axes.obj", "v 0 0 0\nv 1000 0 0\nv 0 2000 0\nf 1 2 3\n");
+  const Bounds box = bounds(read_mesh(file, {"-x", "+y", 0.001}).mesh);
+  EXPECT_NEAR(box.min_m.x(), -1, 1e-12);  // aft is -x
+  EXPECT_NEAR(box.min_m.z(), -2, 1e-12);  // up is -z
+  EXPECT_NEAR(box.max_m.cwiseAbs().maxCoeff(), 0, 1e-12);
+}
+
+TEST(MeshIo, KeepsOutsideOutWhateverTheAxes) {
+  const TemporaryFolder folder;
+  write_glb(build_cube().mesh, folder.path() / "cube.glb");
+  for (const char* forward : {"+x", "-x", "+z", "-z"}) {
+    for (const char* up : {"+y", "-y"}) {
+      const Mesh mesh = read_mesh(folder.path() / "cube.glb", {forward, up, 1}).mesh;
+      EXPECT_GT(inspect(mesh).volume_m3, 0) << forward << " " << up;
+    }
+  }
+}
+
+TEST(MeshIo, ErrorsNameTheFileInOneLine) {
+  const TemporaryFolder folder;
+  const auto broken_glb = folder.write("broken.glb", "this is not glTF");
+  const auto broken_obj = folder.write("broken.ply", "ply\nnonsense\n");
+  const auto empty = folder.write("empty.obj", "o nothing\nv 0 0 0\n");
+  for (const auto& file : {folder.path() / "absent.glb", broken_glb, broken_obj, empty}) {
+    const std::string error = error_of(file);
+    EXPECT_THAT(error, HasSubstr(file.string()));
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+  }
+}
+
+TEST(MeshIo, ATruncatedGlbIsAnErrorNotACrash) {
+  const TemporaryFolder folder;
+  write_glb(build_cube().mesh, folder.path() / "cube.glb");
+  const std::string whole = read_whole(folder.path() / "cube.glb");
+  for (const size_t size : {whole.size() / 8, whole.size() / 2, whole.size() - 4}) {
+    EXPECT_NE(error_of(folder.write("torn.glb", whole.substr(0, size)), kGltfFrame), "") << size;
+  }
+}
+
+TEST(MeshIo, RejectsAFrameThatIsNone) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("square.obj", kSquareObj);
+  EXPECT_THAT(error_of(file, {"x", "+y", 1}), HasSubstr("allowed: +x"));
+  EXPECT_THAT(error_of(file, {"+x", "-x", 1}), HasSubstr("different axes"));
+  EXPECT_THAT(error_of(file, {"+x", "+y", 0}), HasSubstr("positive"));
+}
+
+TEST(MeshIo, AFolderThatIsNotThereCannotBeWritten) {
+  EXPECT_THROW(write_glb(build_cube().mesh, "/nonexistent/folder/cube.glb"), InputError);
+}
+
+TEST(MeshIo, ReadsRealAircraft) {
+  const char* folder = std::getenv("SIGHTLINE_TEST_MESHES");
+  if (folder == nullptr) GTEST_SKIP() << "SIGHTLINE_TEST_MESHES is not set";
+  const MeshFrame frame{"-x", "+y", 1};  // FlightGear's .ac: x aft, y up
+  const Mesh mesh = read_mesh(std::filesystem::path(folder) / "727-200.ac", frame).mesh;
+  const Bounds box = bounds(mesh);
+  EXPECT_NEAR(box.max_m.x() - box.min_m.x(), 46.7, 0.2);  // a 727-200 is 46.69 m long
+  EXPECT_NEAR(box.max_m.y() - box.min_m.y(), 32.9, 0.6);  // and spans 32.92 m
+  EXPECT_GT(mesh.triangles.size(), 10000u);
+  const MeshInspection inspection = inspect(mesh);
+  EXPECT_LT(inspection.closed_components, inspection.components);  // a triangle soup
+}
+
+}  // namespace
+}  // namespace sightline

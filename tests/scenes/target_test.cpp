@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/target.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/assets.h"
+#include "scenes/builders/cube.h"
+#include "scenes/input_error.h"
+#include "tests/scenes/temporary_folder.h"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kHead =
+    "name = 'box'\n[mesh]\nfile = 'cube.glb'\nforward = '+z'\nup = '+y'\n";
+constexpr const char* kVertex =
+    "[[feature]]\nname = 'v'\nkind = 'line_intersection'\nposition_m = [0.5, 0.5, 0.5]\n"
+    "edges_m = [[[0.5, 0.5, 0.5], [-0.5, 0.5, 0.5]], [[0.5, 0.5, 0.5], [0.5, -0.5, 0.5]]]\n";
+
+class TargetFile : public testing::Test {
+ protected:
+  TargetFile() { write_glb(build_cube().mesh, folder_.path() / "cube.glb"); }
+
+  std::shared_ptr<const Target> load(const std::string& text) const {
+    return load_target(folder_.write("target.toml", text).string());
+  }
+  std::string error_of(const std::string& text) const {
+    try {
+      load(text);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(TargetFile, LoadsMeshAndFeatures) {
+  const auto target = load(std::string(kHead) + kVertex);
+  EXPECT_EQ(target->name, "box");
+  ASSERT_EQ(target->features.size(), 1u);
+  EXPECT_EQ(target->features[0].kind, FeatureKind::kLineIntersection);
+  EXPECT_EQ(target->features[0].edges[1].end_m, Eigen::Vector3d(0.5, -0.5, 0.5));
+}
+
+TEST_F(TargetFile, ErrorsSayWhatIsWrong) {
+  const std::string head = kHead;
+  EXPECT_THAT(error_of("name = 'x'\n"), HasSubstr("mesh.file is missing"));
+  EXPECT_THAT(error_of("name = 'x'\n[mesh]\nfile = 'no.glb'\n"), HasSubstr("no.glb"));
+  EXPECT_THAT(error_of(head + "[[feature]]\nname = 'v'\nkind = 'lines'\nposition_m = [0, 0, 0]\n"),
+              HasSubstr("kind"));
+  EXPECT_THAT(error_of(head + kVertex + kVertex), HasSubstr("given twice"));
+  EXPECT_THAT(error_of(head + "colour = 3\n"), HasSubstr("mesh.colour is not a known key"));
+  std::string elsewhere = kVertex;
+  elsewhere.replace(elsewhere.find("[0.5, 0.5, 0.5]"), 15, "[0.5, 0.5, 0.6]");
+  EXPECT_THAT(error_of(head + elsewhere), HasSubstr("must begin at position_m"));
+}
+
+TEST_F(TargetFile, AMeshFileIsATargetWithoutFeatures) {
+  const auto target = load_target((folder_.path() / "cube.glb").string());
+  EXPECT_EQ(target->name, "cube");
+  EXPECT_TRUE(target->features.empty());
+}
+
+TEST(Targets, AnUnknownNameGetsASuggestion) {
+  try {
+    load_target("boing707");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("did you mean 'boeing707'"));
+  }
+}
+
+TEST(Targets, AllThatShipLoad) {
+  ASSERT_THAT(target_names(), testing::UnorderedElementsAre("boeing707", "cube"));
+  for (const std::string& name : target_names()) {
+    const auto target = load_target(name);
+    EXPECT_EQ(target->name, name);
+    EXPECT_FALSE(target->description.empty());
+    EXPECT_GE(target->features.size(), 5u);
+  }
+}
+
+TEST(Targets, ACubeHidesItsFarVertex) {
+  const auto cube = load_target("cube");
+  // Seen along the diagonal from -x -y -z, only the opposite vertex (+,+,+) is hidden.
+  const Eigen::Vector3d eye_in_target = Eigen::Vector3d(-10, -10.5, -11);
+  Pose cam_from_target;
+  cam_from_target.translation = -eye_in_target;
+  int hidden = 0;
+  for (const TargetFeature& feature : cube->features) {
+    if (!is_self_hidden(*cube, feature, cam_from_target)) continue;
+    ++hidden;
+    EXPECT_EQ(feature.position_m, Eigen::Vector3d(0.5, 0.5, 0.5)) << feature.name;
+  }
+  EXPECT_EQ(hidden, 1);
+}
+
+}  // namespace
+}  // namespace sightline
