@@ -54,11 +54,6 @@ struct TrialRecord {
   Pose prior_cam_from_target;
   std::vector<ObservationRecord> observations;
   std::vector<EstimateRecord> estimates;  ///< in the study's order of solvers
-  /// Cramér-Rao bound of the true inliers at 1 px of noise, so that it scales with the noise that
-  /// is found; zero when they do not determine a pose.
-  double bound_geodesic_deg_per_px = 0;
-  double bound_theta_deg_per_px = 0;
-  double bound_t_percent_per_px = 0;
 };
 
 }  // namespace sightline

@@ -130,6 +130,18 @@ std::string to_json_text(const Meta& manifest) {
   return json.dump(2) + "\n";
 }
 
+// The manifest of a run that is there already; what cannot be read is left out.
+Meta read_manifest(const fs::path& file) {
+  Meta manifest;
+  std::ifstream stream(file);
+  const auto json = nlohmann::json::parse(stream, nullptr, /*allow_exceptions=*/false);
+  if (!json.is_object()) return manifest;
+  for (const auto& [key, value] : json.items()) {
+    if (value.is_string()) manifest[key] = value.get<std::string>();
+  }
+  return manifest;
+}
+
 Meta manifest_of(const Study& study, const std::string& command) {
   return {{"version", SIGHTLINE_VERSION},
           {"study", study.name},
@@ -235,9 +247,7 @@ RunResult rewrite_report(const fs::path& folder) {
   const fs::path file = folder / kStoreFile;
   const Store store = Store::open(file);
   const Study study = study_from_meta(store.meta(), file);
-  Meta manifest = store.meta();
-  manifest.erase("study_toml");
-  return write_results(study, store.trials(), manifest, folder);
+  return write_results(study, store.trials(), read_manifest(folder / "manifest.json"), folder);
 }
 
 }  // namespace sightline

@@ -32,8 +32,7 @@ CREATE TABLE trials (
   true_r00, true_r01, true_r02, true_r10, true_r11, true_r12, true_r20, true_r21, true_r22,
   true_tx_m, true_ty_m, true_tz_m,
   prior_r00, prior_r01, prior_r02, prior_r10, prior_r11, prior_r12, prior_r20, prior_r21, prior_r22,
-  prior_tx_m, prior_ty_m, prior_tz_m,
-  bound_geodesic_deg_per_px, bound_theta_deg_per_px, bound_t_percent_per_px
+  prior_tx_m, prior_ty_m, prior_tz_m
 );
 
 CREATE TABLE observations (
@@ -146,14 +145,13 @@ class RowReader {
 class TrialWriter {
  public:
   explicit TrialWriter(const SQLite::Database& database)
-      : trials_(database, "trials", 30),
+      : trials_(database, "trials", 27),
         observations_(database, "observations", 11),
         estimates_(database, "estimates", 26) {}
 
   void write_trial(const TrialRecord& record) {
     trials_ << record.trial << record.condition << record.redraws << record.true_cam_from_target
-            << record.prior_cam_from_target << record.bound_geodesic_deg_per_px
-            << record.bound_theta_deg_per_px << record.bound_t_percent_per_px;
+            << record.prior_cam_from_target;
     trials_.end_row();
   }
 
@@ -189,8 +187,7 @@ std::vector<TrialRecord> read_trials(const SQLite::Database& database) {
   while (rows.next_row()) {
     TrialRecord& record = records.emplace_back();
     rows >> record.trial >> record.condition >> record.redraws >> record.true_cam_from_target >>
-        record.prior_cam_from_target >> record.bound_geodesic_deg_per_px >>
-        record.bound_theta_deg_per_px >> record.bound_t_percent_per_px;
+        record.prior_cam_from_target;
   }
   return records;
 }

@@ -5,10 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numbers>
+#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "pose/bounds.h"
 
 namespace sightline {
 namespace {
@@ -19,6 +24,8 @@ using Trials = std::vector<const TrialRecord*>;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view kOracle = "oracle";
+// Stands for the noise of a feature that showed none, so that its information is finite.
+constexpr double kLeastNoisePx = 1e-3;
 
 // A sum of squares that knows how many it holds.
 struct MeanSquare {
@@ -79,22 +86,14 @@ CellObservations summarise_observations(const Trials& trials, int condition) {
   cell.inlier_rms_px = inlier_error(trials).root();
   int found = 0;
   int outliers = 0;
-  MeanSquare theta, t, geodesic;
   for (const TrialRecord* trial : trials) {
     for (const ObservationRecord& o : trial->observations) found += o.is_found();
     outliers += outliers_in(*trial);
-    if (!(trial->bound_geodesic_deg_per_px > 0)) continue;
-    theta.add(trial->bound_theta_deg_per_px);
-    t.add(trial->bound_t_percent_per_px);
-    geodesic.add(trial->bound_geodesic_deg_per_px);
   }
   if (cell.trials > 0) {
     cell.found = static_cast<double>(found) / cell.trials;
     cell.outliers = static_cast<double>(outliers) / cell.trials;
   }
-  cell.bound_theta_deg = theta.root() * cell.inlier_rms_px;
-  cell.bound_t_percent = t.root() * cell.inlier_rms_px;
-  cell.bound_geodesic_deg = geodesic.root() * cell.inlier_rms_px;
   return cell;
 }
 
@@ -128,6 +127,62 @@ FeatureSummary summarise_feature(const Trials& trials, int condition, const std:
   summary.inlier_rms_px = inlier_error(trials, &feature).root();
   summary.median_px = percentile(errors_px, 0.5);
   return summary;
+}
+
+// The bound of one trial, in the units of errors and capped like them.
+struct TrialBound {
+  double theta_deg = 0;
+  double t_percent = 0;
+  double geodesic_deg = 0;
+};
+
+// None for a trial whose inliers do not determine a pose.
+std::optional<TrialBound> bound_of(const Study& study, const TrialRecord& trial,
+                                   const std::map<std::string, double>& noise_px) {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<Eigen::Matrix2d> covariances_px2;
+  for (const ObservationRecord& o : trial.observations) {
+    if (!o.is_found() || o.is_outlier) continue;
+    for (const TargetFeature& feature : study.target->features) {
+      if (feature.name == o.feature) points.push_back(feature.position_m);
+    }
+    const double sd_px = std::max(noise_px.at(o.feature), kLeastNoisePx);
+    covariances_px2.push_back(sd_px * sd_px * Eigen::Matrix2d::Identity());
+  }
+  const auto bound =
+      cramer_rao_bound(study.camera, points, trial.true_cam_from_target, covariances_px2);
+  if (!bound) return std::nullopt;
+  constexpr double kDegree = std::numbers::pi / 180;
+  return TrialBound{std::min(bound->attitude_rms_rad / kDegree, kAngleCapDeg),
+                    std::min(100 * bound->translation_rms, kTranslationCapPercent),
+                    std::min(bound->geodesic_rms_rad / kDegree, kAngleCapDeg)};
+}
+
+// By trial; none at all for a study without a target.
+std::vector<std::optional<TrialBound>> bounds_of(const Study& study, const Trials& trials,
+                                                 std::span<const FeatureSummary> features) {
+  std::vector<std::optional<TrialBound>> bounds(trials.size());
+  if (study.target == nullptr) return bounds;
+  std::map<std::string, double> noise_px;
+  for (const FeatureSummary& feature : features) noise_px[feature.feature] = feature.inlier_rms_px;
+  for (size_t i = 0; i < trials.size(); ++i) bounds[i] = bound_of(study, *trials[i], noise_px);
+  return bounds;
+}
+
+void set_bounds(const std::vector<std::optional<TrialBound>>& bounds, CellObservations& cell) {
+  double theta_deg = 0;
+  double t_percent = 0;
+  MeanSquare geodesic_deg;
+  for (const auto& bound : bounds) {
+    if (!bound) continue;
+    theta_deg += bound->theta_deg;
+    t_percent += bound->t_percent;
+    geodesic_deg.add(bound->geodesic_deg);
+  }
+  const int count = geodesic_deg.count;
+  cell.bound_theta_deg = count > 0 ? theta_deg / count : kNoNumber;
+  cell.bound_t_percent = count > 0 ? t_percent / count : kNoNumber;
+  cell.bound_geodesic_deg = geodesic_deg.root();
 }
 
 // A solver's errors in the order of the trials, infinite where it failed.
@@ -179,15 +234,26 @@ CellSummary summarise_cell(const Study& study, const Trials& trials, int conditi
   return cell;
 }
 
-// Sets the ratios of one condition's cells, which are all its solvers on the same trials.
-void set_ratios(std::span<CellSummary> cells, const CellObservations& observations) {
-  const auto oracle = std::find_if(cells.begin(), cells.end(),
-                                   [](const CellSummary& cell) { return cell.solver == kOracle; });
-  const double oracle_rms = oracle != cells.end() ? oracle->geodesic_deg.rms : kNoNumber;
-  for (CellSummary& cell : cells) {
-    cell.ratio_to_oracle = ratio(cell.geodesic_deg.rms, oracle_rms);
-    cell.ratio_to_bound = ratio(cell.geodesic_deg.rms, observations.bound_geodesic_deg);
+// A solver's capped geodesic error, RMS over the trials that `counts` picks.
+template <typename Predicate>
+double rms_geodesic_deg(const Trials& trials, std::string_view solver, const Predicate& counts) {
+  MeanSquare error;
+  for (size_t i = 0; i < trials.size(); ++i) {
+    if (!counts(i)) continue;
+    const EstimateRecord* const estimate = pose_of(*trials[i], solver);
+    error.add(estimate != nullptr ? std::min(estimate->geodesic_deg, kAngleCapDeg) : kAngleCapDeg);
   }
+  return error.root();
+}
+
+void set_ratios(const Trials& trials, const std::vector<std::optional<TrialBound>>& bounds,
+                const CellObservations& observations, CellSummary& cell) {
+  const auto has_oracle = [&](size_t i) { return pose_of(*trials[i], kOracle) != nullptr; };
+  const auto has_bound = [&](size_t i) { return bounds[i].has_value(); };
+  cell.ratio_to_oracle = ratio(rms_geodesic_deg(trials, cell.solver, has_oracle),
+                               rms_geodesic_deg(trials, kOracle, has_oracle));
+  cell.ratio_to_bound =
+      ratio(rms_geodesic_deg(trials, cell.solver, has_bound), observations.bound_geodesic_deg);
 }
 
 // A key whose values are all whole numbers is a count or a number of a case, written as integers.
@@ -261,17 +327,19 @@ Summary summarise(const Study& study, std::span<const TrialRecord> trials) {
   Summary summary;
   for (int condition = 0; condition < static_cast<int>(study.conditions.size()); ++condition) {
     const Trials of_cell = trials_of(trials, condition);
-    const CellObservations observations = summarise_observations(of_cell, condition);
-    std::vector<CellSummary> cells;
-    for (const PoseSolver* solver : study.solvers) {
-      cells.push_back(summarise_cell(study, of_cell, condition, solver->name));
-    }
-    set_ratios(cells, observations);
-    summary.cells.insert(summary.cells.end(), cells.begin(), cells.end());
-    summary.observations.push_back(observations);
+    std::vector<FeatureSummary> features;
     for (const std::string& feature : features_in(of_cell)) {
-      summary.features.push_back(summarise_feature(of_cell, condition, feature));
+      features.push_back(summarise_feature(of_cell, condition, feature));
     }
+    const auto bounds = bounds_of(study, of_cell, features);
+    CellObservations observations = summarise_observations(of_cell, condition);
+    set_bounds(bounds, observations);
+    for (const PoseSolver* solver : study.solvers) {
+      summary.cells.push_back(summarise_cell(study, of_cell, condition, solver->name));
+      set_ratios(of_cell, bounds, observations, summary.cells.back());
+    }
+    summary.observations.push_back(observations);
+    summary.features.insert(summary.features.end(), features.begin(), features.end());
   }
   return summary;
 }

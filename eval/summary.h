@@ -27,8 +27,10 @@ struct CellSummary {
   ErrorSummary theta_error_deg;
   ErrorSummary t_error_percent;
   ErrorSummary geodesic_deg;
-  double ratio_to_oracle = 0;  ///< RMS geodesic error over the oracle's, both capped
-  double ratio_to_bound = 0;   ///< RMS geodesic error, capped, over bound_geodesic_deg
+  /// RMS geodesic error, capped, over the oracle's, on the trials in which the oracle has a pose.
+  double ratio_to_oracle = 0;
+  /// RMS geodesic error, capped, over that of the bound, on the trials that have a bound.
+  double ratio_to_bound = 0;
   double false_removals = 0;   ///< inliers removed, a trial
   double missed_outliers = 0;  ///< outliers kept, a trial
   double exact_set_rate = 0;   ///< trials with a pose in which exactly the outliers were removed
@@ -43,8 +45,10 @@ struct CellObservations {
   /// Error of the found inliers, RMS of one coordinate: sqrt(mean(error_px^2) / 2). NaN without
   /// any.
   double inlier_rms_px = 0;
-  /// Cramér-Rao bound of the true inliers at a noise of inlier_rms_px a coordinate, RMS over the
-  /// trials that have one; NaN where none has.
+  /// Cramér-Rao bound of the pose from the found inliers, each feature with the noise that it shows
+  /// in this cell (its inlier_rms_px). Of every trial that has a bound, capped as errors are: the
+  /// mean for theta and T, to stand beside mean errors, and the RMS for the geodesic angle. NaN
+  /// where no trial has one.
   double bound_theta_deg = 0;
   double bound_t_percent = 0;
   double bound_geodesic_deg = 0;

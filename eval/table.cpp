@@ -273,7 +273,7 @@ std::string error_block(const Study& study, const Summary& summary, const ErrorK
   for (const PoseSolver* solver : study.solvers) {
     groups.push_back(solver_group(study, summary, kind, solver->name, decimals));
   }
-  groups.push_back({"bound", {number_column(study, "rms", bounds, decimals)}});
+  groups.push_back({"bound", {number_column(study, "mean", bounds, decimals)}});
   return block(kind.name, row_labels(study), groups);
 }
 

@@ -11,7 +11,6 @@
 #include "features/extractor.h"
 #include "features/prediction.h"
 #include "pose/attitude.h"
-#include "pose/bounds.h"
 
 namespace sightline {
 namespace {
@@ -183,20 +182,6 @@ EstimateRecord solve(const Study& study, const PoseSolver& solver, const FoundPo
   return out;
 }
 
-void add_bound(const Study& study, const FoundPoints& found, TrialRecord& record) {
-  std::vector<Eigen::Vector3d> inliers;
-  for (size_t i = 0; i < found.slots.size(); ++i) {
-    if (!record.observations[found.slots[i]].is_outlier) {
-      inliers.push_back(found.problem.points_in_target[i]);
-    }
-  }
-  const auto bound = cramer_rao_bound(study.camera, inliers, record.true_cam_from_target, 1.0);
-  if (!bound) return;
-  record.bound_geodesic_deg_per_px = bound->geodesic_rms_rad / kDegree;
-  record.bound_theta_deg_per_px = bound->attitude_rms_rad / kDegree;
-  record.bound_t_percent_per_px = 100 * bound->translation_rms;
-}
-
 // A drawn pose that cannot be imaged is a failed trial of every solver.
 void fail_all(const Study& study, TrialRecord& record) {
   for (const PoseSolver* solver : study.solvers) {
@@ -239,7 +224,6 @@ Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
   for (const PoseSolver* solver : study.solvers) {
     record.estimates.push_back(solve(study, *solver, found, record));
   }
-  add_bound(study, found, record);
   return trial;
 }
 

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pose/bounds.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <Eigen/LU>
 
@@ -37,28 +39,36 @@ double attitude_rms(const Eigen::Matrix3d& rotation, const Eigen::Matrix3d& w_co
   return std::sqrt((angles_from_w * w_covariance * angles_from_w.transpose()).trace() / 3);
 }
 
-/// J^T J of the pixels, lens included. None when a point is behind the camera.
+/// sum J_i^T C_i^-1 J_i of the pixels, lens included. None when a point is behind the camera.
 std::optional<Matrix6d> information(const Camera& camera, const Correspondences& c,
-                                    const Pose& cam_from_centred) {
+                                    const Pose& cam_from_centred,
+                                    std::span<const Eigen::Matrix2d> covariances_px2) {
   Matrix6d sum = Matrix6d::Zero();
   for (std::size_t i = 0; i < c.size(); ++i) {
     const std::optional<Reprojection> r = reproject(c, i, cam_from_centred);
     if (!r) return std::nullopt;
     const Eigen::Matrix<double, 2, 6> jacobian =
         lens_derivative(camera, cam_from_centred * c.points_in_centred[i]) * r->jacobian;
-    sum += jacobian.transpose() * jacobian;
+    sum += jacobian.transpose() * covariances_px2[i].inverse() * jacobian;
   }
   return sum;
+}
+
+bool is_positive_definite(const Eigen::Matrix2d& m) {
+  return m(0, 0) > 0 && m.determinant() > 0 && m.allFinite();
 }
 
 }  // namespace
 
 std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
                                           std::span<const Eigen::Vector3d> points_in_target,
-                                          const Pose& cam_from_target, double sigma_px) {
-  if (points_in_target.empty() || !(sigma_px >= 0) || !is_valid(cam_from_target)) {
-    return std::nullopt;
-  }
+                                          const Pose& cam_from_target,
+                                          std::span<const Eigen::Matrix2d> covariances_px2) {
+  const bool is_usable =
+      !points_in_target.empty() && covariances_px2.size() == points_in_target.size() &&
+      std::all_of(covariances_px2.begin(), covariances_px2.end(), is_positive_definite) &&
+      is_valid(cam_from_target);
+  if (!is_usable) return std::nullopt;
   Correspondences c;
   c.fx_px = camera.fx_px;
   c.fy_px = camera.fy_px;
@@ -69,20 +79,28 @@ std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
   c.pixels.assign(c.size(), Eigen::Vector2d::Zero());
 
   const Pose cam_from_centred = to_centred(cam_from_target, c);
-  const std::optional<Matrix6d> sum = information(camera, c, cam_from_centred);
+  const std::optional<Matrix6d> sum = information(camera, c, cam_from_centred, covariances_px2);
   if (!sum) return std::nullopt;
-  const std::optional<Matrix6d> unit_covariance = inverse_information(*sum);
-  if (!unit_covariance) return std::nullopt;
+  const std::optional<Matrix6d> covariance = inverse_information(*sum);
+  if (!covariance) return std::nullopt;
 
   PoseBound bound;
-  bound.covariance =
-      sigma_px * sigma_px * covariance_from_centred(*unit_covariance, cam_from_centred, c);
+  bound.covariance = covariance_from_centred(*covariance, cam_from_centred, c);
   const Eigen::Matrix3d w_covariance = bound.covariance.topLeftCorner<3, 3>();
   bound.geodesic_rms_rad = std::sqrt(w_covariance.trace());
   bound.attitude_rms_rad = attitude_rms(cam_from_target.rotation, w_covariance);
   bound.translation_rms = std::sqrt(bound.covariance.bottomRightCorner<3, 3>().trace() / 3) /
                           cam_from_target.translation.norm();
   return bound;
+}
+
+std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
+                                          std::span<const Eigen::Vector3d> points_in_target,
+                                          const Pose& cam_from_target, double sigma_px) {
+  const Eigen::Matrix2d covariance_px2 =
+      std::copysign(sigma_px * sigma_px, sigma_px) * Eigen::Matrix2d::Identity();
+  return cramer_rao_bound(camera, points_in_target, cam_from_target,
+                          std::vector<Eigen::Matrix2d>(points_in_target.size(), covariance_px2));
 }
 
 }  // namespace sightline

@@ -19,9 +19,16 @@ struct PoseBound {
   double translation_rms;   ///< the bound of T_error, a fraction of the imaging distance
 };
 
-/// The bound for independent Gaussian pixel noise of sd `sigma_px` on both coordinates of each
-/// point: sigma^2 (J^T J)^-1, J the Jacobian of the pixels. It is proportional to sigma_px.
-/// None when the points do not determine a pose or one is not in front of the camera.
+/// The bound for independent Gaussian noise of covariance `covariances_px2[i]` on point i's pixel:
+/// (sum J_i^T C_i^-1 J_i)^-1, J_i the Jacobian of the pixel, lens included. It is proportional to
+/// the noise. None when the points do not determine a pose, one is not in front of the camera, the
+/// lists differ in length, or a covariance is not positive definite.
+std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
+                                          std::span<const Eigen::Vector3d> points_in_target,
+                                          const Pose& cam_from_target,
+                                          std::span<const Eigen::Matrix2d> covariances_px2);
+
+/// The same for noise of standard deviation `sigma_px` > 0 on both coordinates of every point.
 std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
                                           std::span<const Eigen::Vector3d> points_in_target,
                                           const Pose& cam_from_target, double sigma_px);

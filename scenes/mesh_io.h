@@ -30,15 +30,15 @@ struct LoadedMesh {
 };
 
 /// Reads a mesh: .glb and .gltf through tinygltf, all else through Assimp. Coincident vertices are
-/// welded (within 1e-6 of the size), degenerate and duplicate triangles dropped. Normals of the file
-/// are kept; where it has none they are computed with a crease angle of 45 degrees. Each mesh of
-/// each node is a part; its albedo is the luminance of the material's base or diffuse colour.
+/// welded (within 1e-6 of the size), degenerate and duplicate triangles dropped. Normals of the
+/// file are kept; where it has none they are computed with a crease angle of 45 degrees. Each mesh
+/// of each node is a part; its albedo is the luminance of the material's base or diffuse colour.
 /// Throws InputError for a missing, unreadable, empty or non-finite mesh, or a wrong MeshFrame.
 LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame = {});
 
-/// Writes a .glb with tinygltf, one node and material a part, in glTF's own frame (y up, z forward):
-/// read it back with MeshFrame{"+z", "+y", 1}. The same mesh gives the same bytes.
-/// Throws InputError when the file cannot be written.
+/// Writes a .glb with tinygltf, one node and material a part, in glTF's own frame (y up, z
+/// forward): read it back with MeshFrame{"+z", "+y", 1}. The same mesh gives the same bytes. Throws
+/// InputError when the file cannot be written.
 void write_glb(const Mesh& mesh, const std::filesystem::path& file);
 
 }  // namespace sightline

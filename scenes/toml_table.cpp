@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <regex>
 #include <set>
 #include <sstream>
 
@@ -104,6 +105,21 @@ void apply_override(toml::table& root, const std::string& setting) {
   const toml::table parsed = parse_override_value(setting.substr(equals + 1));
   parsed.get("value")->visit(
       [&](const auto& value) { table->insert_or_assign(path.back(), value); });
+}
+
+// toml++ writes 0.15 as 0.14999999999999999; this is the same number in the fewest digits.
+std::string with_shortest_numbers(const std::string& toml) {
+  static const std::regex kLongNumber(R"([0-9]+\.[0-9]{12,}(e[-+]?[0-9]+)?)");
+  std::string out;
+  auto copied = toml.begin();
+  for (auto match = std::sregex_iterator(toml.begin(), toml.end(), kLongNumber);
+       match != std::sregex_iterator(); ++match) {
+    out.append(copied, toml.begin() + match->position());
+    out += fmt::format("{}", std::stod(match->str()));
+    copied = toml.begin() + match->position() + match->length();
+  }
+  out.append(copied, toml.end());
+  return out;
 }
 
 }  // namespace
@@ -324,7 +340,7 @@ const std::filesystem::path& TomlTable::file() const {
 std::string TomlTable::to_toml() const {
   std::ostringstream out;
   out << node_->document->root << "\n";
-  return out.str();
+  return with_shortest_numbers(out.str());
 }
 
 }  // namespace sightline

@@ -140,18 +140,16 @@ std::string comparison(const ReportInput& input, std::string_view lead, std::str
 std::string bound_sentence(const Summary& summary) {
   double theta = 0;
   double t = 0;
-  double rms = 0;
   for (const CellObservations& cell : summary.observations) {
     const double n = static_cast<double>(summary.observations.size());
     theta += cell.bound_theta_deg / n;
     t += cell.bound_t_percent / n;
-    rms += cell.inlier_rms_px / n;
   }
   if (!(theta > 0)) return "";
   return fmt::format(
-      "The Cramér–Rao bound for the noise that the inliers show, {} px RMS a coordinate, is {}° "
-      "and {} % (both RMS, which lies somewhat above a mean).",
-      measure(rms), measure(theta), measure(t));
+      "The Cramér–Rao bound of the true inliers, with the noise that they show, is {}° and {} % in "
+      "the mean.",
+      measure(theta), measure(t));
 }
 
 mustache::data comparisons(const ReportInput& input) {

@@ -52,9 +52,10 @@ one.</li>
 <li>Outlier: a feature found farther than {{outlier_px}} px from where it truly is. Solvers are not
 told
 (the oracle is, which is why it serves for evaluation only).</li>
-<li>Cramér–Rao bound: the least RMS error an unbiased estimator can have on the true inliers, at
-the noise that
-they show.</li>
+<li>Cramér–Rao bound: the least RMS error an unbiased estimator can have on the true inliers of a
+trial, each feature with the noise that its inliers show in the same row; capped as errors are.</li>
+<li>RMS over oracle’s: on the trials in which the oracle has a pose. RMS over bound: on the trials
+that have a bound.</li>
 <li>Failures never leave the denominator: means and RMS run over all trials with each error capped
 at
 {{angle_cap}}° and {{t_cap}} %, a failed trial counting as the cap; medians and percentiles count

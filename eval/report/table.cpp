@@ -120,10 +120,9 @@ std::string caption(const Study& study) {
 
 std::string note(const Study& study) {
   std::string text =
-      "Bound: the Cramér–Rao bound of the true inliers, RMS, at the noise that they show in that "
-      "row (inlier RMS, a coordinate). A solver that keeps outliers uses points that the bound "
-      "leaves out, and where few inliers are left the bound, which is linear, can exceed the "
-      "error of a good pose.";
+      "Bound: the Cramér–Rao bound of the pose from the true inliers, each feature with the noise "
+      "that it shows in that row; mean over the trials. A solver that keeps outliers uses points "
+      "that the bound leaves out.";
   if (has_paper_figures(study)) {
     text += " The paper prints one trial a pose, without an interval.";
   }

@@ -114,9 +114,6 @@ void expect_same(const TrialRecord& a, const TrialRecord& b) {
   EXPECT_EQ(a.redraws, b.redraws);
   EXPECT_EQ(bits_of(a.true_cam_from_target), bits_of(b.true_cam_from_target));
   EXPECT_EQ(bits_of(a.prior_cam_from_target), bits_of(b.prior_cam_from_target));
-  expect_same_bits(a.bound_geodesic_deg_per_px, b.bound_geodesic_deg_per_px);
-  expect_same_bits(a.bound_theta_deg_per_px, b.bound_theta_deg_per_px);
-  expect_same_bits(a.bound_t_percent_per_px, b.bound_t_percent_per_px);
   expect_same(a.observations, b.observations);
   expect_same(a.estimates, b.estimates);
 }
@@ -134,9 +131,6 @@ TrialRecord drawn_trial(int64_t number) {
   trial.redraws = static_cast<int>(number % 7);
   trial.true_cam_from_target = drawn_pose(random);
   trial.prior_cam_from_target = drawn_pose(random);
-  trial.bound_geodesic_deg_per_px = random.normal();
-  trial.bound_theta_deg_per_px = random.normal();
-  trial.bound_t_percent_per_px = random.normal();
   for (const char* feature : {"nose", "wing_tip_le_port", "an 'odd', \"name\" °"}) {
     const Eigen::Vector2d pixel(random.normal(), random.normal());
     const Eigen::Vector2d true_pixel(random.normal(), random.normal());

@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "pose/bounds.h"
 #include "scenes/random.h"
 
 namespace sightline {
@@ -79,18 +80,12 @@ std::vector<TrialRecord> handmade_trials() {
   first.observations = {found("a", 3), found("b", 4), found("c", 10, true)};
   first.estimates = {estimate("orpe", 1), estimate("lspe", 3, 0, 1), estimate("oracle", 1)};
   first.estimates[0].removed = {"c"};
-  first.bound_geodesic_deg_per_px = 0.3;
-  first.bound_theta_deg_per_px = 0.1;
-  first.bound_t_percent_per_px = 0.01;
 
   TrialRecord second;
   second.trial = 2;
   second.observations = {found("a", 5), hidden("b"), found("c", 20, true)};
   second.estimates = {failed("orpe", "degenerate"), estimate("lspe", 4, 0, 1),
                       estimate("oracle", 2)};
-  second.bound_geodesic_deg_per_px = 0.4;
-  second.bound_theta_deg_per_px = 0.7;
-  second.bound_t_percent_per_px = 0.07;
 
   TrialRecord third;
   third.trial = 4;
@@ -166,22 +161,75 @@ TEST(Summary, ComparesWithTheOracle) {
 TEST(Summary, HasNoRatioWithoutAnOracle) {
   Study study = two_poses();
   study.solvers.pop_back();
-  const Summary summary = summarise(study, handmade_trials());
+  std::vector<TrialRecord> trials = handmade_trials();
+  for (TrialRecord& trial : trials) trial.estimates.pop_back();
+  const Summary summary = summarise(study, trials);
   EXPECT_TRUE(std::isnan(cell_of(summary, 0, "orpe").ratio_to_oracle));
 }
 
-TEST(Summary, ScalesTheBoundByTheInliersNoise) {
-  const Summary summary = summarise(two_poses(), handmade_trials());
+TEST(Summary, LeavesTrialsWithoutAnOracleOutOfItsRatio) {
+  std::vector<TrialRecord> trials = handmade_trials();
+  trials[2].estimates[2] = failed("oracle", "too_few_points");  // where orpe failed as well
+  const Summary summary = summarise(two_poses(), trials);
+  EXPECT_DOUBLE_EQ(cell_of(summary, 0, "orpe").ratio_to_oracle, std::sqrt((1 + 4) / (1.0 + 4)));
+  EXPECT_DOUBLE_EQ(cell_of(summary, 0, "oracle").ratio_to_oracle, 1);
+}
+
+// Two trials of the cube from 60 m: six vertices found with these errors, a seventh is an outlier.
+std::vector<TrialRecord> cube_trials(double first_error_px, double other_error_px) {
+  std::vector<TrialRecord> trials(2);
+  for (int i = 0; i < 2; ++i) {
+    trials[i].trial = i;
+    trials[i].true_cam_from_target = {rotation_from_vector({0.3, -0.4, 0.5}), {0.5, 0.2, 60}};
+    for (int k = 0; k < 7; ++k) {
+      const double error_px = k == 0 ? first_error_px : other_error_px;
+      trials[i].observations.push_back(
+          found(fmt::format("vertex_{}", k).c_str(), k == 6 ? 30 : error_px, k == 6));
+    }
+    trials[i].estimates = {estimate("orpe", 1), estimate("lspe", 2), estimate("oracle", 0.5)};
+  }
+  return trials;
+}
+
+Study cube_study() {
+  Study study = two_poses();
+  study.target = load_target("cube");
+  study.camera = centred_camera(512, 512, 15000);
+  return study;
+}
+
+TEST(Summary, BoundsThePoseByTheInliersNoise) {
+  const Study study = cube_study();
+  const std::vector<TrialRecord> trials = cube_trials(2, 2);
+  const Summary summary = summarise(study, trials);
+  std::vector<Eigen::Vector3d> points;
+  for (int k = 0; k < 6; ++k) points.push_back(study.target->features[k].position_m);
+  const auto bound = cramer_rao_bound(study.camera, points, trials[0].true_cam_from_target,
+                                      std::sqrt(2.0));  // 2 px in all is sqrt(2) a coordinate
+  ASSERT_TRUE(bound);
+  const double degree = std::acos(-1.0) / 180;
   const CellObservations& cell = summary.observations[0];
-  const double inlier_rms_px = std::sqrt((9 + 16 + 25 + 0 + 0 + 0) / 6.0 / 2);
-  EXPECT_DOUBLE_EQ(cell.inlier_rms_px, inlier_rms_px);
-  // The third trial has no bound.
-  EXPECT_DOUBLE_EQ(cell.bound_geodesic_deg, std::sqrt((0.09 + 0.16) / 2) * inlier_rms_px);
-  EXPECT_DOUBLE_EQ(cell.bound_theta_deg, std::sqrt((0.01 + 0.49) / 2) * inlier_rms_px);
-  EXPECT_DOUBLE_EQ(cell.bound_t_percent, 0.1 * cell.bound_theta_deg);
-  const double oracle_rms = std::sqrt((1 + 4 + 4) / 3.0);
-  EXPECT_DOUBLE_EQ(cell_of(summary, 0, "oracle").ratio_to_bound,
-                   oracle_rms / cell.bound_geodesic_deg);
+  EXPECT_NEAR(cell.bound_theta_deg, bound->attitude_rms_rad / degree, 1e-9);
+  EXPECT_NEAR(cell.bound_t_percent, 100 * bound->translation_rms, 1e-9);
+  EXPECT_NEAR(cell.bound_geodesic_deg, bound->geodesic_rms_rad / degree, 1e-9);
+  EXPECT_NEAR(cell_of(summary, 0, "lspe").ratio_to_bound, 2 / cell.bound_geodesic_deg, 1e-9);
+}
+
+TEST(Summary, WeighsEachFeatureInTheBoundByItsOwnNoise) {
+  const Study study = cube_study();
+  const auto bound_deg = [&](double first_px, double other_px) {
+    return summarise(study, cube_trials(first_px, other_px)).observations[0].bound_geodesic_deg;
+  };
+  EXPECT_NEAR(bound_deg(4, 4), 2 * bound_deg(2, 2), 1e-9);
+  // One bad feature costs something, but far less than the same noise on all would.
+  EXPECT_GT(bound_deg(5, 1), bound_deg(1, 1));
+  EXPECT_LT(bound_deg(5, 1), 2 * bound_deg(1, 1));
+}
+
+TEST(Summary, HasNoBoundWithoutEnoughInliers) {
+  std::vector<TrialRecord> trials = cube_trials(1, 1);
+  for (TrialRecord& trial : trials) trial.observations.resize(2);
+  EXPECT_TRUE(std::isnan(summarise(cube_study(), trials).observations[0].bound_theta_deg));
 }
 
 TEST(Summary, CountsWhatTheImagesGave) {
@@ -315,7 +363,7 @@ TEST(SummaryJson, SaysWhatTheSummarySays) {
   EXPECT_EQ(orpe["geodesic_deg"]["rms"].get<double>(), summary.cells[0].geodesic_deg.rms);
   EXPECT_EQ(orpe["geodesic_deg"]["mean_ci95"][1].get<double>(),
             summary.cells[0].geodesic_deg.mean_ci95[1]);
-  EXPECT_EQ(orpe["ratio_to_bound"].get<double>(), summary.cells[0].ratio_to_bound);
+  EXPECT_EQ(orpe["ratio_to_oracle"].get<double>(), summary.cells[0].ratio_to_oracle);
 }
 
 TEST(SummaryJson, WritesKeysThatAreWholeNumbersThroughoutAsIntegers) {

@@ -108,7 +108,7 @@ pose 2  (-30, 50, 20)  (-8, 3, 1500)
 
 theta_error / °, mean of the trials and its 95 % interval
         paper      orpe               lspe               oracle             bound
-        orpe lspe  mean         95 %  mean         95 %  mean         95 %   rms
+        orpe lspe  mean         95 %  mean         95 %  mean         95 %  mean
 ─────────────────────────────────────────────────────────────────────────────────
 pose 1  1.68 2.07  1.50 [1.25, 1.75]  1.50 [1.25, 1.75]  1.50 [1.25, 1.75]  0.38
 pose 2  2.08 2.22  2.50 [2.25, 2.75]  2.50 [2.25, 2.75]  2.50 [2.25, 2.75]  0.38
@@ -116,7 +116,7 @@ mean    1.88 2.15  2.00               2.00               2.00               0.38
 
 T_error / % of the distance, mean of the trials and its 95 % interval
         paper      orpe               lspe               oracle             bound
-        orpe lspe  mean         95 %  mean         95 %  mean         95 %   rms
+        orpe lspe  mean         95 %  mean         95 %  mean         95 %  mean
 ─────────────────────────────────────────────────────────────────────────────────
 pose 1   0.5  1.7  0.50 [0.38, 0.62]  0.50 [0.38, 0.62]  0.50 [0.38, 0.62]  0.06
 pose 2   2.4  2.8  0.50 [0.38, 0.62]  0.50 [0.38, 0.62]  0.50 [0.38, 0.62]  0.06

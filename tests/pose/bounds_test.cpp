@@ -59,7 +59,8 @@ TEST(CramerRaoBound, IsProportionalToTheNoise) {
   EXPECT_NEAR(three.geodesic_rms_rad, 3 * one.geodesic_rms_rad, 1e-12 * one.geodesic_rms_rad);
   EXPECT_NEAR(three.attitude_rms_rad, 3 * one.attitude_rms_rad, 1e-12 * one.attitude_rms_rad);
   EXPECT_NEAR(three.translation_rms, 3 * one.translation_rms, 1e-12 * one.translation_rms);
-  EXPECT_EQ(bound_of(s, 0).geodesic_rms_rad, 0);
+  EXPECT_FALSE(
+      cramer_rao_bound(s.problem.camera, s.problem.points_in_target, s.cam_from_target, 0.0));
 }
 
 /// The information of (w, dt) in the target's own frame, by differences of the pixels.
@@ -196,6 +197,30 @@ TEST(CramerRaoBound, NeedsSoundInput) {
   Pose broken = s.cam_from_target;
   broken.rotation(0, 0) = kNaN;
   EXPECT_FALSE(cramer_rao_bound(s.problem.camera, points, broken, 1));
+}
+
+TEST(Bound, WeighsEachPointByItsCovariance) {
+  Draw draw(50);
+  const Synthetic s = cube_problem(0, draw);
+  const auto& points = s.problem.points_in_target;
+  const auto bound = [&](const std::vector<Eigen::Matrix2d>& covariances_px2) {
+    return cramer_rao_bound(s.problem.camera, points, s.cam_from_target, covariances_px2);
+  };
+  std::vector<Eigen::Matrix2d> covariances_px2(8, 4 * Eigen::Matrix2d::Identity());
+  const auto uniform = cramer_rao_bound(s.problem.camera, points, s.cam_from_target, 2.0);
+  EXPECT_TRUE(bound(covariances_px2)->covariance.isApprox(uniform->covariance, 1e-12));
+
+  // A point with all but infinite noise is as good as absent.
+  covariances_px2[3] *= 1e12;
+  std::vector<Eigen::Vector3d> others = points;
+  others.erase(others.begin() + 3);
+  const auto without = cramer_rao_bound(s.problem.camera, others, s.cam_from_target, 2.0);
+  EXPECT_TRUE(bound(covariances_px2)->covariance.isApprox(without->covariance, 1e-6));
+
+  covariances_px2[3] << 1, 2, 2, 1;  // indefinite
+  EXPECT_FALSE(bound(covariances_px2));
+  covariances_px2.pop_back();
+  EXPECT_FALSE(bound(covariances_px2));
 }
 
 }  // namespace

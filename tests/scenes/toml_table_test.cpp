@@ -98,6 +98,7 @@ TEST(TomlTable, AsWrittenItReadsTheSame) {
   const TomlTable table = parse("a = 0.1\n[b]\nc = ['x', 'y']\n", {"a=0.2"});
   const TomlTable again = parse(table.to_toml());
   EXPECT_EQ(again.number("a"), 0.2);
+  EXPECT_THAT(table.to_toml(), HasSubstr("a = 0.2\n"));
   EXPECT_EQ(again.table("b").texts("c"), (std::vector<std::string>{"x", "y"}));
 }
 
