@@ -29,11 +29,11 @@ std::string closedness(const MeshInspection& mesh) {
 }
 
 std::string orientation(const MeshInspection& mesh) {
-  if (mesh.flipped_edges == 0 && mesh.inward_components == 0 && mesh.closed_components > 0) {
-    return "outward";
+  if (mesh.flipped_edges > 0 || mesh.inward_components > 0) {
+    return fmt::format("{} edges whose faces disagree, {} closed pieces inside out",
+                       mesh.flipped_edges, mesh.inward_components);
   }
-  return fmt::format("{} edges whose faces disagree, {} closed pieces inside out",
-                     mesh.flipped_edges, mesh.inward_components);
+  return mesh.closed_components == mesh.components ? "outward" : "agree with their neighbours";
 }
 
 std::string mesh_text(const Target& target, const MeshInspection& mesh) {
@@ -101,7 +101,9 @@ Scene picture_scene(const std::shared_ptr<const Target>& target,
   const double focal_px =
       0.46 * std::min(kPictureWidth / spread.max().x(), kPictureHeight / spread.max().y());
   scene.camera = centred_camera(kPictureWidth, kPictureHeight, focal_px);
-  scene.light.to_light_in_cam = Eigen::Vector3d(-0.4, -0.5, -0.75).normalized();
+  scene.light = {.to_light_in_cam = Eigen::Vector3d(-0.4, -0.5, -0.75).normalized(),
+                 .ambient = 0.25,
+                 .directional = 0.7};  // together below 1: a white target keeps its shades
   scene.sensor = {.psf_sigma_px = 0.5, .read_noise_grey = 0, .full_well_electrons = 0, .bits = 8};
   return scene;
 }

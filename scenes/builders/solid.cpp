@@ -207,7 +207,7 @@ void Assembly::add(Solid solid) {
   }
   for (const Solid::Face& face : solid.faces()) {
     const auto& [a, b, c] = face.vertex;
-    half_.triangles.push_back({{a + offset, b + offset, c + offset}, face.part, {}});
+    half_.triangles.push_back({.vertex = {a + offset, b + offset, c + offset}, .part = face.part});
   }
 }
 
@@ -228,8 +228,8 @@ Mesh Assembly::mirrored(const std::function<std::string(std::string_view)>& mirr
   }
   for (const Triangle& triangle : half_.triangles) {
     const auto& [a, b, c] = triangle.vertex;
-    mesh.triangles.push_back(
-        {{mirror_vertex[a], mirror_vertex[c], mirror_vertex[b]}, mirror_part[triangle.part], {}});
+    mesh.triangles.push_back({.vertex = {mirror_vertex[a], mirror_vertex[c], mirror_vertex[b]},
+                              .part = mirror_part[triangle.part]});
   }
   return without_unused_vertices(std::move(mesh));
 }
