@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "eval/catalogue_lists.h"
+#include "eval/interrupt.h"
 #include "eval/run.h"
 #include "eval/table.h"
 #include "eval/target_report.h"
@@ -33,8 +34,8 @@ fs::path free_folder(const std::string& study) {
 }
 
 void print_result(const Study& study, const RunResult& result, const fs::path& out) {
-  std::cout << to_table(study, result.summary) << "\nreport: " << (out / "report.html").string()
-            << "\n";
+  std::cout << to_table(study, result.summary)
+            << "\nreport: " << fs::absolute(out / "report.html").string() << "\n";
 }
 
 int exit_code_of(const RunResult& result) {
@@ -54,6 +55,7 @@ struct StudyArguments {
 };
 
 int run_study_command(const StudyArguments& arguments, const std::string& command) {
+  remember_interrupts();
   const Study study = read_study(arguments.study, arguments.overrides);
   RunOptions options;
   options.out = arguments.out.empty() ? free_folder(study.name) : fs::path(arguments.out);
@@ -80,10 +82,12 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
       "study", "Run a study: render, extract, solve, compare with the truth, report");
   sub->add_option("study", arguments->study, "Name (see `sightline list studies`) or a .toml file")
       ->required();
-  sub->add_option("--out", arguments->out, "Folder for the results [results/<study>]");
+  sub->add_option("--out", arguments->out,
+                  "Folder for the results [results/<study>, or -2, -3, ... if that exists]");
   sub->add_option("--trials", arguments->overrides.trials,
                   "Trials of each condition, instead of the study's");
-  sub->add_option("--seed", arguments->overrides.seed, "Seed of all random draws");
+  sub->add_option("--seed", arguments->overrides.seed, "Seed of all random draws")
+      ->check(CLI::NonNegativeNumber);
   sub->add_option("--jobs", arguments->jobs, "Processes to run at once")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
@@ -104,6 +108,7 @@ void add_merge(CLI::App& app, const std::string& command, int& exit_code) {
   sub->add_option("shards", *shards, "Folders of all shards of one study")->required();
   sub->add_option("--out", *out, "Folder for the joined results")->required();
   sub->callback([shards, out, command, &exit_code] {
+    remember_interrupts();
     const RunResult result = merge_runs(*shards, *out, command);
     std::cout << "report: " << (fs::path(*out) / "report.html").string() << "\n";
     exit_code = exit_code_of(result);

@@ -10,15 +10,17 @@ namespace {
 // A signal handler can reach nothing but a global of this type.
 volatile std::sig_atomic_t was_interrupted = 0;
 
-void remember(int) {
+void remember(int signal) {
   was_interrupted = 1;
+  std::signal(signal, SIG_DFL);  // a second one ends the process at once
 }
 
 }  // namespace
 
 void remember_interrupts() {
-  std::signal(SIGINT, remember);
-  std::signal(SIGTERM, remember);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, remember);
+  // A full disk or a closed pipe is a failed write, which is reported, not the end of the process.
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
 }
 
 void stop_if_interrupted() {

@@ -12,8 +12,8 @@ class Interrupted : public std::runtime_error {
   Interrupted() : std::runtime_error("interrupted") {}
 };
 
-/// From here on SIGINT and SIGTERM are remembered instead of ending the process, so that long work
-/// can stop between two steps and leave nothing half-written.
+/// From here on the first signal that asks the process to end is remembered instead, so that long
+/// work can stop between two steps and leave nothing half-written. For the commands that write.
 void remember_interrupts();
 
 /// Throws Interrupted once a signal has come.

@@ -25,6 +25,14 @@ std::string command_line(int argc, char** argv) {
   return text;
 }
 
+// What users and libraries put into a text may hold line ends; an error is one line.
+std::string in_one_line(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r' || c == '\t') c = ' ';
+  }
+  return text;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -35,21 +43,26 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", SIGHTLINE_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 good, 1 input error, 2 usage, 4 some trials could not be run.\n"
+      "Exit codes: 0 good, 1 input error, 2 usage, 4 some trials could not be run, 130 "
+      "interrupted.\n"
       "Begin with:  sightline list    sightline study boeing-table1");
   int exit_code = 0;
   sightline::add_commands(app, command_line(argc, argv), exit_code);
   try {
-    sightline::remember_interrupts();
     app.parse(argc, argv);
+    std::cout.flush();
+    if (!std::cout) throw sightline::InputError("standard output cannot be written");
     return exit_code;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageExit;
   } catch (const sightline::Interrupted&) {
     std::cerr << "\nsightline: interrupted; nothing was written\n";
     return kInterruptedExit;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "sightline: out of memory\n";
+    return kInputErrorExit;
   } catch (const std::exception& error) {
-    std::cerr << "sightline: " << error.what() << '\n';
+    std::cerr << "sightline: " << in_one_line(error.what()) << '\n';
     return kInputErrorExit;
   }
 }

@@ -23,8 +23,11 @@ class OutputFolder {
   void commit();
 
  private:
+  void remove_all();
+
   std::filesystem::path folder_;
   std::filesystem::path staging_;
+  std::filesystem::path made_parent_;  ///< the topmost parent that had to be made; may be empty
   bool is_committed_ = false;
 };
 

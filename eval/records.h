@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
@@ -55,5 +56,13 @@ struct TrialRecord {
   std::vector<ObservationRecord> observations;
   std::vector<EstimateRecord> estimates;  ///< in the study's order of solvers
 };
+
+/// What a solver made of a trial, failed or not; null where the trial has nothing of it.
+inline const EstimateRecord* find_estimate(const TrialRecord& trial, std::string_view solver) {
+  for (const EstimateRecord& estimate : trial.estimates) {
+    if (estimate.solver == solver) return &estimate;
+  }
+  return nullptr;
+}
 
 }  // namespace sightline

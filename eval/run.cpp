@@ -78,21 +78,22 @@ int64_t trials_in(const Study& study, const Shard& shard) {
 // Runs a share of the trials in `jobs` processes, each with a store of its own, and joins them.
 void run_jobs(const Study& study, const RunOptions& options, const OutputFolder& folder,
               Store& store) {
-  Progress progress(study.name, trials_in(study, options.shard), options.show_progress);
-  if (options.jobs == 1) {
+  const int64_t share_size = trials_in(study, options.shard);
+  Progress progress(study.name, share_size, options.show_progress);
+  const int jobs = static_cast<int>(std::clamp<int64_t>(share_size, 1, options.jobs));
+  if (jobs == 1) {
     run_shard(study, options.shard, store, [&progress] { progress.advance(1); });
     return;
   }
   const auto job_file = [&folder](int job) { return folder / fmt::format("job-{}.sqlite", job); };
   const auto work = [&](int job, const Tick& tick) {
-    const Shard share{options.shard.index + options.shard.count * job,
-                      options.shard.count * options.jobs};
+    const Shard share{options.shard.index + options.shard.count * job, options.shard.count * jobs};
     Store job_store = Store::create(job_file(job), meta_of(study, share));
     run_shard(study, share, job_store, tick);
   };
-  run_in_processes(options.jobs, work, [&progress](int64_t n) { progress.advance(n); });
+  run_in_processes(jobs, work, [&progress](int64_t n) { progress.advance(n); });
   std::vector<TrialRecord> trials;
-  for (int job = 0; job < options.jobs; ++job) {
+  for (int job = 0; job < jobs; ++job) {
     for (TrialRecord& trial : Store::open(job_file(job)).trials()) {
       trials.push_back(std::move(trial));
     }
@@ -114,11 +115,14 @@ RunResult write_results(const Study& study, const std::vector<TrialRecord>& tria
   RunResult result;
   result.trials = static_cast<int64_t>(trials.size());
   result.failed_trials = result.trials - std::count_if(trials.begin(), trials.end(), is_imaged);
+  stop_if_interrupted();
   result.summary = summarise(study, trials);
+  stop_if_interrupted();
   write_file(folder / "results.csv", to_csv(study, trials));
   write_file(folder / "summary.json", to_json(study, result.summary));
   Renderer renderer;
   const auto frames = gather_evidence(study, trials, renderer);
+  stop_if_interrupted();
   write_file(folder / "report.html",
              render_report({study, result.summary, trials, frames, manifest}));
   return result;
@@ -203,8 +207,8 @@ RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
                      const std::string& command) {
   std::vector<Meta> metas;
   std::vector<TrialRecord> trials;
-  std::map<int, fs::path> folder_of;
-  int count = 0;
+  std::map<int64_t, fs::path> folder_of;
+  int64_t count = 0;
   for (const fs::path& folder : shards) {
     const Store store = Store::open(folder / kStoreFile);
     metas.push_back(store.meta());
@@ -222,7 +226,7 @@ RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
     }
     for (TrialRecord& trial : store.trials()) trials.push_back(std::move(trial));
   }
-  for (int index = 0; index < count; ++index) {
+  for (int64_t index = 0; index < count; ++index) {
     if (!folder_of.contains(index)) {
       throw InputError(fmt::format("merge: shard {} of {} is missing", index, count));
     }

@@ -11,8 +11,8 @@ namespace sightline {
 
 /// One share of a study's trials: those whose number modulo `count` is `index`.
 struct Shard {
-  int index = 0;
-  int count = 1;
+  int64_t index = 0;  // 64 bits: a shard of a shard multiplies the counts
+  int64_t count = 1;
 };
 
 /// The environment's variables that engines set, read through this so that tests can stand in.

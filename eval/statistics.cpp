@@ -134,7 +134,10 @@ double percentile(std::span<const double> values, double p) {
 
 std::array<double, 2> bca_mean_interval(std::span<const double> values, uint64_t seed,
                                         std::string_view stream) {
-  if (values.empty()) return {0, 0};
+  if (values.empty()) {
+    constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+    return {kNone, kNone};
+  }
   const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
   if (*least == *greatest) return {*least, *least};
 

@@ -4,30 +4,32 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string_view>
 
 namespace sightline {
 
-/// Statistics of one error over all trials of a cell, failures among them.
+/// Statistics of one error over all trials of a cell, failures among them. NaN where there are no
+/// trials.
 struct ErrorSummary {
-  double mean = 0;                    ///< of the errors capped at `cap`, a failure counting as cap
-  std::array<double, 2> mean_ci95{};  ///< BCa bootstrap interval of that mean
-  double median = 0;  ///< a failure counting as infinite: infinite where half or more failed
-  double rms = 0;     ///< capped as the mean
-  double p90 = 0;     ///< as the median
-  int capped = 0;     ///< trials at the cap or beyond, failures among them
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  double mean = kNone;  ///< of the errors capped at `cap`, a failure counting as cap
+  std::array<double, 2> mean_ci95{kNone, kNone};  ///< BCa bootstrap interval of that mean
+  double median = kNone;  ///< a failure counting as infinite: infinite where half or more failed
+  double rms = kNone;     ///< capped as the mean
+  double p90 = kNone;     ///< as the median
+  int capped = 0;         ///< trials at the cap or beyond, failures among them
 };
 
 /// Summarises errors; a failed trial's error is infinity (never NaN: those are a program error and
 /// count as infinite). `stream` names the bootstrap's random stream, so that results repeat.
-/// With no trials all is zero.
 ErrorSummary summarise(std::span<const double> errors, double cap, uint64_t seed,
                        std::string_view stream);
 
 /// The bias-corrected and accelerated bootstrap interval of the mean of finite values (Efron 1987;
 /// Efron and Tibshirani 1993, section 14.3), 95 %, 2000 resamples. A single point where all values
-/// are equal, zero where there are none. Deviations: a resample that ties with the mean counts half
+/// are equal, NaN where there are none. Deviations: a resample that ties with the mean counts half
 /// in the bias correction, as capped errors tie often; beyond 20000 values, where the two agree, it
 /// is the normal approximation, mean +- 1.96 standard errors.
 std::array<double, 2> bca_mean_interval(std::span<const double> values, uint64_t seed,

@@ -23,7 +23,7 @@ class Store {
   /// (study, seed, version, shard...).
   static Store create(const std::filesystem::path& file,
                       const std::map<std::string, std::string>& meta);
-  /// Opens a store that exists, to read it or (a resumed run) to add to it; a write-protected file
+  /// Opens a store that exists, to read it or to add to it; a write-protected file
   /// can be read. What a killed writer left half written is rolled back. Throws InputError for a
   /// file that is not a store of this version.
   static Store open(const std::filesystem::path& file);

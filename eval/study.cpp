@@ -56,6 +56,10 @@ std::map<std::string, PaperFigure> read_paper_figures(const TomlTable& table) {
   for (const std::string& solver : names_of(pose_solvers())) {
     if (!table.has(solver)) continue;
     const std::vector<double> pair = table.numbers(solver, 2);
+    if (!(std::min(pair[0], pair[1]) >= 0) || std::max(pair[0], pair[1]) > 180) {
+      table.fail(solver, fmt::format("is [{}, {}], must be [degrees, percent] from 0 to 180",
+                                     pair[0], pair[1]));
+    }
     figures[solver] = {pair[0], pair[1]};
   }
   return figures;
@@ -77,7 +81,7 @@ void read_poses(const TomlTable& table, Study& study) {
   law.lateral_jitter_m = table.number("lateral_jitter_m", {0, 1e6}, 0.0);
   law.max_redraws = static_cast<int>(table.integer("max_redraws", {0, 100000}, law.max_redraws));
   if (!fixed.empty()) {
-    for (const char* key : {"angle_deg", "lateral_m", "range_m"}) {
+    for (const char* key : {"angle_deg", "lateral_m", "range_m", "max_redraws"}) {
       if (table.has(key))
         table.fail(key, "cannot stand beside [[poses.fixed]]: give one or the other");
     }
@@ -89,6 +93,7 @@ void read_poses(const TomlTable& table, Study& study) {
                "is missing: give [[poses.fixed]], or the ranges angle_deg, lateral_m and "
                "range_m to draw from");
   }
+  if (table.has("lateral_jitter_m")) table.fail("lateral_jitter_m", "belongs to [[poses.fixed]]");
   law.drawn_angle_deg = read_range(table, "angle_deg", {-180, 180});
   law.drawn_lateral_m = read_range(table, "lateral_m", {-1e6, 1e6});
   law.drawn_range_m = read_range(table, "range_m", {1e-3, 1e9});
@@ -151,7 +156,7 @@ void read_extraction(const TomlTable& table, Study& study) {
       static_cast<int>(lines.integer("min_edge_pixels", {3, 1000}, line.min_edge_pixels));
   line.min_angle_deg = lines.number("min_angle_deg", {1, 89}, line.min_angle_deg);
   line.canny_low = lines.number("canny_low", {1, 2000}, line.canny_low);
-  line.canny_high = lines.number("canny_high", {1, 2000}, line.canny_high);
+  line.canny_high = lines.number("canny_high", {line.canny_low, 2000}, line.canny_high);
 
   const TomlTable corners = table.table("corners");
   CornerOptions& corner = options.corner;
@@ -184,6 +189,11 @@ void read_solvers(const TomlTable& table, Study& study) {
 
 void read_features(const TomlTable& table, Study& study) {
   const std::vector<std::string> known = names_of(study.target->features);
+  if (known.empty()) {
+    table.fail("target", fmt::format("'{}' has no features; a target.toml beside its mesh gives "
+                                     "it some",
+                                     study.target->name));
+  }
   std::set<size_t> seen;
   for (const std::string& name : table.texts("features", known)) {
     const size_t index = index_of(name, known, table, "features");
@@ -192,9 +202,7 @@ void read_features(const TomlTable& table, Study& study) {
     }
     study.features.push_back(static_cast<int>(index));
   }
-  if (study.features.empty()) {
-    table.fail("target", fmt::format("'{}' has no features to extract", study.target->name));
-  }
+  if (study.features.empty()) table.fail("features", "is empty, must name at least one");
 }
 
 // A given pose that cannot be imaged is the user's error, not a failed trial.
@@ -218,9 +226,27 @@ std::vector<std::string> settings_of(const StudyOverrides& overrides) {
   return settings;
 }
 
+// The name becomes that of a folder.
+void require_file_name(const TomlTable& table, const std::string& name) {
+  const std::string allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+  if (name.empty() || name[0] == '.' || name.find_first_not_of(allowed) != std::string::npos) {
+    table.fail("name", fmt::format("is \"{}\", must be letters, digits, '-', '_' and '.'", name));
+  }
+}
+
+std::shared_ptr<const Target> read_target(const TomlTable& table) {
+  const std::string name = table.text("target");
+  try {
+    return load_target(name);
+  } catch (const InputError& error) {
+    table.fail("target", fmt::format("cannot be used: {}", error.what()));
+  }
+}
+
 Study read_table(const TomlTable& table, const std::string& fallback_name) {
   Study study;
   study.name = table.text("name", fallback_name);
+  require_file_name(table, study.name);
   study.title = table.text("title", study.name);
   study.question = table.text("question", "");
   study.reference = table.text("reference", "");
@@ -234,7 +260,7 @@ Study read_table(const TomlTable& table, const std::string& fallback_name) {
   read_prior(table.table("prior"), study);
   read_extraction(table.table("extraction"), study);
   read_solvers(table, study);
-  study.target = load_target(table.text("target"));
+  study.target = read_target(table);
   read_features(table, study);
   table.reject_unknown_keys();
   require_imageable(poses, study);
@@ -249,11 +275,11 @@ Study read_study(const std::string& name_or_path, const StudyOverrides& override
   std::vector<std::string> settings = settings_of(overrides);
   const TomlTable as_written = TomlTable::read_file(file, settings);
   // The study as run stands on its own: it says its name, and where a target beside it lies.
-  if (!as_written.has("name")) settings.push_back("name=" + file.stem().string());
+  if (!as_written.has("name")) settings.push_back(fmt::format("name='{}'", file.stem().string()));
   const std::filesystem::path target = as_written.text("target");
   const std::filesystem::path beside = std::filesystem::absolute(file).parent_path() / target;
   if (target.is_relative() && target.has_extension() && std::filesystem::exists(beside)) {
-    settings.push_back("target=" + beside.lexically_normal().string());
+    settings.push_back(fmt::format("target='{}'", beside.lexically_normal().string()));
   }
   return read_table(TomlTable::read_file(file, settings), file.stem());
 }

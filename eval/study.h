@@ -91,7 +91,7 @@ struct Study {
 /// What the command line may say over a study's file.
 struct StudyOverrides {
   std::optional<int> trials;  ///< a condition
-  std::optional<uint64_t> seed;
+  std::optional<int64_t> seed;
   std::vector<std::string> set;  ///< "key=value"
 };
 

@@ -59,12 +59,10 @@ int outliers_in(const TrialRecord& trial) {
                                         [](const ObservationRecord& o) { return o.is_outlier; }));
 }
 
-// The solver's estimate of a trial; null when it failed or is not there.
+// The solver's pose of a trial; null when it failed or is not there.
 const EstimateRecord* pose_of(const TrialRecord& trial, std::string_view solver) {
-  for (const EstimateRecord& estimate : trial.estimates) {
-    if (estimate.solver == solver) return estimate.is_ok() ? &estimate : nullptr;
-  }
-  return nullptr;
+  const EstimateRecord* const estimate = find_estimate(trial, solver);
+  return estimate != nullptr && estimate->is_ok() ? estimate : nullptr;
 }
 
 // The found inliers' error in one coordinate, when a feature's name is given of that feature alone.
@@ -136,16 +134,29 @@ struct TrialBound {
   double geodesic_deg = 0;
 };
 
-// None for a trial whose inliers do not determine a pose.
-std::optional<TrialBound> bound_of(const Study& study, const TrialRecord& trial,
+// Where the target has its features, by name; empty for a study without a target.
+using Positions = std::map<std::string, Eigen::Vector3d>;
+
+Positions positions_of(const Study& study) {
+  Positions positions;
+  if (study.target == nullptr) return positions;
+  for (const TargetFeature& feature : study.target->features) {
+    positions.emplace(feature.name, feature.position_m);
+  }
+  return positions;
+}
+
+// None for a trial whose inliers do not determine a pose. A feature that the target does not have
+// (any more: stored trials outlive the target's file) tells nothing.
+std::optional<TrialBound> bound_of(const Study& study, const Positions& positions,
+                                   const TrialRecord& trial,
                                    const std::map<std::string, double>& noise_px) {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Matrix2d> covariances_px2;
   for (const ObservationRecord& o : trial.observations) {
-    if (!o.is_found() || o.is_outlier) continue;
-    for (const TargetFeature& feature : study.target->features) {
-      if (feature.name == o.feature) points.push_back(feature.position_m);
-    }
+    const auto position = positions.find(o.feature);
+    if (!o.is_found() || o.is_outlier || position == positions.end()) continue;
+    points.push_back(position->second);
     const double sd_px = std::max(noise_px.at(o.feature), kLeastNoisePx);
     covariances_px2.push_back(sd_px * sd_px * Eigen::Matrix2d::Identity());
   }
@@ -158,14 +169,16 @@ std::optional<TrialBound> bound_of(const Study& study, const TrialRecord& trial,
                     std::min(bound->geodesic_rms_rad / kDegree, kAngleCapDeg)};
 }
 
-// By trial; none at all for a study without a target.
-std::vector<std::optional<TrialBound>> bounds_of(const Study& study, const Trials& trials,
+// By trial.
+std::vector<std::optional<TrialBound>> bounds_of(const Study& study, const Positions& positions,
+                                                 const Trials& trials,
                                                  std::span<const FeatureSummary> features) {
-  std::vector<std::optional<TrialBound>> bounds(trials.size());
-  if (study.target == nullptr) return bounds;
   std::map<std::string, double> noise_px;
   for (const FeatureSummary& feature : features) noise_px[feature.feature] = feature.inlier_rms_px;
-  for (size_t i = 0; i < trials.size(); ++i) bounds[i] = bound_of(study, *trials[i], noise_px);
+  std::vector<std::optional<TrialBound>> bounds;
+  for (const TrialRecord* trial : trials) {
+    bounds.push_back(bound_of(study, positions, *trial, noise_px));
+  }
   return bounds;
 }
 
@@ -198,6 +211,8 @@ std::vector<double> errors_of(const Trials& trials, std::string_view solver,
 
 void count_removals(const Trials& trials, CellSummary& cell) {
   int exact = 0;
+  cell.false_removals = 0;
+  cell.missed_outliers = 0;
   for (const TrialRecord* trial : trials) {
     const EstimateRecord* const estimate = pose_of(*trial, cell.solver);
     if (estimate == nullptr) {
@@ -325,13 +340,14 @@ Json feature_json(const Study& study, const FeatureSummary& feature) {
 
 Summary summarise(const Study& study, std::span<const TrialRecord> trials) {
   Summary summary;
+  const Positions positions = positions_of(study);
   for (int condition = 0; condition < static_cast<int>(study.conditions.size()); ++condition) {
     const Trials of_cell = trials_of(trials, condition);
     std::vector<FeatureSummary> features;
     for (const std::string& feature : features_in(of_cell)) {
       features.push_back(summarise_feature(of_cell, condition, feature));
     }
-    const auto bounds = bounds_of(study, of_cell, features);
+    const auto bounds = bounds_of(study, positions, of_cell, features);
     CellObservations observations = summarise_observations(of_cell, condition);
     set_bounds(bounds, observations);
     for (const PoseSolver* solver : study.solvers) {

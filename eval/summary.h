@@ -17,8 +17,8 @@ constexpr double kAngleCapDeg = 20;
 constexpr double kTranslationCapPercent = 20;
 
 /// One solver in one cell, over all its trials: a failed trial (or one without an estimate) counts
-/// as an infinite error, removes nothing and keeps all its outliers. Ratios and rates that do not
-/// apply are NaN (null in summary.json).
+/// as an infinite error, removes nothing and keeps all its outliers. What does not apply is NaN
+/// (null in summary.json), in a cell without trials everything but the counts.
 struct CellSummary {
   int condition = 0;
   std::string solver;
@@ -28,30 +28,31 @@ struct CellSummary {
   ErrorSummary t_error_percent;
   ErrorSummary geodesic_deg;
   /// RMS geodesic error, capped, over the oracle's, on the trials in which the oracle has a pose.
-  double ratio_to_oracle = 0;
+  double ratio_to_oracle = ErrorSummary::kNone;
   /// RMS geodesic error, capped, over that of the bound, on the trials that have a bound.
-  double ratio_to_bound = 0;
-  double false_removals = 0;   ///< inliers removed, a trial
-  double missed_outliers = 0;  ///< outliers kept, a trial
-  double exact_set_rate = 0;   ///< trials with a pose in which exactly the outliers were removed
+  double ratio_to_bound = ErrorSummary::kNone;
+  double false_removals = ErrorSummary::kNone;   ///< inliers removed, a trial
+  double missed_outliers = ErrorSummary::kNone;  ///< outliers kept, a trial
+  /// Trials with a pose in which exactly the outliers were removed.
+  double exact_set_rate = ErrorSummary::kNone;
 };
 
-/// What a cell's images gave, whatever the solver.
+/// What a cell's images gave, whatever the solver; NaN where it has no trials.
 struct CellObservations {
   int condition = 0;
   int trials = 0;
-  double found = 0;     ///< features a trial
-  double outliers = 0;  ///< a trial
+  double found = ErrorSummary::kNone;     ///< features a trial
+  double outliers = ErrorSummary::kNone;  ///< a trial
   /// Error of the found inliers, RMS of one coordinate: sqrt(mean(error_px^2) / 2). NaN without
   /// any.
-  double inlier_rms_px = 0;
+  double inlier_rms_px = ErrorSummary::kNone;
   /// Cramér-Rao bound of the pose from the found inliers, each feature with the noise that it shows
-  /// in this cell (its inlier_rms_px). Of every trial that has a bound, capped as errors are: the
-  /// mean for theta and T, to stand beside mean errors, and the RMS for the geodesic angle. NaN
-  /// where no trial has one.
-  double bound_theta_deg = 0;
-  double bound_t_percent = 0;
-  double bound_geodesic_deg = 0;
+  /// in this cell (its inlier_rms_px); features that the target does not have are left out. Of
+  /// every trial that has a bound, capped as errors are: the mean for theta and T, to stand beside
+  /// mean errors, and the RMS for the geodesic angle. NaN where no trial has one.
+  double bound_theta_deg = ErrorSummary::kNone;
+  double bound_t_percent = ErrorSummary::kNone;
+  double bound_geodesic_deg = ErrorSummary::kNone;
 };
 
 /// What became of one feature in one cell.

@@ -3,6 +3,7 @@
 #include "eval/target_report.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -21,6 +22,11 @@ namespace {
 constexpr size_t kMaxListedParts = 40;
 constexpr int kPictureWidth = 960;
 constexpr int kPictureHeight = 640;
+
+bool is_mesh_file(const std::string& name_or_path) {
+  const std::filesystem::path path = name_or_path;
+  return path.has_extension() && path.extension() != ".toml";
+}
 
 std::string closedness(const MeshInspection& mesh) {
   if (mesh.closed_components == mesh.components) return "closed";
@@ -126,6 +132,15 @@ void draw_picture(const std::shared_ptr<const Target>& target, const TargetArgum
 }  // namespace
 
 std::string report_target(const TargetArguments& arguments) {
+  const bool is_mesh = is_mesh_file(arguments.target);
+  if (!is_mesh && !(arguments.forward + arguments.up).empty()) {
+    throw InputError(fmt::format(
+        "target {}: --forward and --up are for mesh files; a target says itself how its mesh lies",
+        arguments.target));
+  }
+  for (const double angle : arguments.theta_deg) {
+    if (!std::isfinite(angle)) throw InputError(fmt::format("--theta: {} is not finite", angle));
+  }
   MeshFrame frame;
   if (!arguments.forward.empty()) frame.forward = arguments.forward;
   if (!arguments.up.empty()) frame.up = arguments.up;

@@ -26,8 +26,8 @@ constexpr char kInputError = 'I';
 constexpr char kFailure = 'F';
 
 struct Worker {
-  pid_t process = -1;
-  int pipe = -1;  // -1 once closed
+  pid_t process = -1;  // -1 once it has been waited for
+  int pipe = -1;       // -1 once closed
   char failure = 0;
   std::string failure_text;
 };
@@ -59,14 +59,33 @@ Worker start(int index, const std::vector<Worker>& earlier,
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error(fmt::format("pipe: {}", std::strerror(errno)));
   const pid_t process = fork();
-  if (process < 0) throw std::runtime_error(fmt::format("fork: {}", std::strerror(errno)));
+  if (process < 0) {
+    const std::string reason = std::strerror(errno);
+    close(ends[0]);
+    close(ends[1]);
+    throw std::runtime_error(fmt::format("fork: {}", reason));
+  }
   if (process == 0) {
     close(ends[0]);
-    for (const Worker& other : earlier) close(other.pipe);
+    for (const Worker& other : earlier) {
+      if (other.pipe >= 0) close(other.pipe);
+    }
     work_and_exit(index, ends[1], work);
   }
   close(ends[1]);
   return {.process = process, .pipe = ends[0], .failure = 0, .failure_text = ""};
+}
+
+// Waits for a worker that has closed its pipe; a crash, which says nothing, is a failure too.
+void reap(Worker& worker) {
+  int status = 0;
+  waitpid(worker.process, &status, 0);
+  worker.process = -1;
+  if (worker.failure != 0 || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) return;
+  worker.failure = kFailure;
+  worker.failure_text =
+      WIFSIGNALED(status) ? fmt::format("a worker process was ended by signal {}", WTERMSIG(status))
+                          : "a worker process failed without a word";
 }
 
 // Takes what a worker has written; returns the steps it has done since.
@@ -77,6 +96,7 @@ int64_t take(Worker& worker) {
   if (size <= 0) {
     close(worker.pipe);
     worker.pipe = -1;
+    reap(worker);
     return 0;
   }
   int64_t ticks = 0;
@@ -118,9 +138,11 @@ void drain(Worker& worker) {
 }
 
 void end_all(std::vector<Worker>& workers) {
-  for (const Worker& worker : workers) kill(worker.process, SIGKILL);
-  for (Worker& worker : workers) {
-    waitpid(worker.process, nullptr, 0);
+  for (const Worker& worker : workers) {
+    if (worker.process > 0) kill(worker.process, SIGKILL);
+  }
+  for (const Worker& worker : workers) {
+    if (worker.process > 0) waitpid(worker.process, nullptr, 0);
     if (worker.pipe >= 0) close(worker.pipe);
   }
 }
@@ -150,16 +172,6 @@ void run_in_processes(int count, const std::function<void(int, const Tick&)>& wo
     const Worker failure = *failed;
     end_all(workers);
     throw_failure(failure);
-  }
-  for (size_t i = 0; i < workers.size(); ++i) {
-    int status = 0;
-    waitpid(workers[i].process, &status, 0);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) continue;
-    for (size_t j = i + 1; j < workers.size(); ++j) waitpid(workers[j].process, nullptr, 0);
-    throw std::runtime_error(
-        WIFSIGNALED(status)
-            ? fmt::format("a worker process was ended by signal {}", WTERMSIG(status))
-            : "a worker process failed");
   }
 }
 

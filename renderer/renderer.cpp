@@ -189,7 +189,7 @@ void box_filter(const std::vector<uint16_t>& samples, int side, cv::Mat pixels) 
 
 struct Renderer::Impl {
   // A framebuffer and what it draws into; renderbuffers grow, never shrink.
-  struct Target2d {
+  struct Framebuffer {
     GLuint framebuffer = 0;
     GLuint depth = 0;
     std::vector<GLuint> colours;
@@ -214,8 +214,12 @@ struct Renderer::Impl {
   }
 
   ~Impl() {
-    context->make_current();
-    for (Target2d* buffer : {&image_buffer, &truth_buffer}) release(*buffer);
+    try {
+      context->make_current();
+    } catch (const GraphicsError&) {
+      return;  // without a current context there is nothing to release
+    }
+    for (Framebuffer* buffer : {&image_buffer, &truth_buffer}) release(*buffer);
     release(mesh);
     gl.DeleteProgram(image_program);
     gl.DeleteProgram(truth_program);
@@ -254,7 +258,7 @@ struct Renderer::Impl {
     return program;
   }
 
-  void release(Target2d& buffer) {
+  void release(Framebuffer& buffer) {
     if (buffer.framebuffer == 0) return;
     gl.DeleteFramebuffers(1, &buffer.framebuffer);
     gl.DeleteRenderbuffers(1, &buffer.depth);
@@ -279,7 +283,7 @@ struct Renderer::Impl {
   }
 
   // Binds a framebuffer of at least width x height with these colour formats.
-  void bind(Target2d& buffer, int width, int height, const std::vector<GLenum>& formats) {
+  void bind(Framebuffer& buffer, int width, int height, const std::vector<GLenum>& formats) {
     if (buffer.width >= width && buffer.height >= height) {
       gl.BindFramebuffer(GL_FRAMEBUFFER, buffer.framebuffer);
       gl.Viewport(0, 0, width, height);
@@ -431,8 +435,8 @@ struct Renderer::Impl {
   GlFunctions gl;
   GLuint image_program = 0;
   GLuint truth_program = 0;
-  Target2d image_buffer;
-  Target2d truth_buffer;
+  Framebuffer image_buffer;
+  Framebuffer truth_buffer;
   MeshBuffer mesh;
   std::vector<uint16_t> samples;
 };
@@ -469,8 +473,10 @@ cv::Mat Renderer::render_part_ids(const Scene& scene) {
 }
 
 std::string Renderer::description() const {
+  impl_->context->make_current();
   const auto text = [this](GLenum name) {
-    return reinterpret_cast<const char*>(impl_->gl.GetString(name));
+    const auto* value = reinterpret_cast<const char*>(impl_->gl.GetString(name));
+    return std::string(value == nullptr ? "unknown" : value);
   };
   return fmt::format("{}: {}, {}", impl_->context->name(), text(GL_RENDERER), text(GL_VERSION));
 }

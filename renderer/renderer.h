@@ -29,7 +29,8 @@ class Renderer {
   /// Throws InputError when the scene cannot be imaged (why_not_imageable).
   Frame render(const Scene& scene, RandomStream noise);
 
-  /// The light on the focal plane before the sensor: CV_32F, 1 is white.
+  /// The light on the focal plane before the sensor: CV_32F, 1 is white. Each sample is clipped at
+  /// white, as if the highlights were saturated before the blur.
   cv::Mat render_linear(const Scene& scene);
 
   /// The part ids alone (CV_16U), for outlines of the target under any pose.

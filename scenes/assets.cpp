@@ -29,8 +29,11 @@ fs::path find_by_name(const std::string& name, const char* kind,
 }  // namespace
 
 fs::path assets_folder() {
-  if (const char* folder = std::getenv("SIGHTLINE_ASSETS")) return folder;
   std::error_code error;
+  if (const char* folder = std::getenv("SIGHTLINE_ASSETS")) {
+    if (fs::is_directory(fs::path(folder) / "targets", error)) return folder;
+    throw InputError(fmt::format("SIGHTLINE_ASSETS={}: is no folder with targets", folder));
+  }
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   const fs::path installed = program.parent_path().parent_path() / "share" / "sightline";
   if (!error && fs::is_directory(installed / "targets", error)) return installed;

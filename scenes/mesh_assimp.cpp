@@ -70,8 +70,11 @@ void add_node(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& f
 
 MeshSoup read_with_assimp(const std::filesystem::path& file) {
   Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(file.string(), aiProcess_Triangulate);
-  if (scene == nullptr || scene->mRootNode == nullptr) {
+  const aiScene* scene =
+      importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_ValidateDataStructure);
+  const bool is_whole = scene != nullptr && scene->mRootNode != nullptr &&
+                        (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) == 0;
+  if (!is_whole) {
     std::string reason = importer.GetErrorString();
     for (char& c : reason) c = c == '\n' ? ' ' : c;
     throw InputError(fmt::format("{}: cannot be read as a mesh: {}", file.string(), reason));

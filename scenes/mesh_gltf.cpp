@@ -11,6 +11,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <set>
 
 #include <Eigen/Geometry>
 #include <tiny_gltf.h>
@@ -45,13 +46,14 @@ class Accessor {
     }
     const auto& bytes = model.buffers[view.buffer].data;
     const int stride = accessor_->ByteStride(view);
-    const size_t element = tinygltf::GetComponentSizeInBytes(accessor_->componentType) *
-                           tinygltf::GetNumComponentsInType(accessor_->type);
+    const int element = tinygltf::GetComponentSizeInBytes(accessor_->componentType) *
+                        tinygltf::GetNumComponentsInType(accessor_->type);
     const size_t begin = view.byteOffset + accessor_->byteOffset;
-    if (stride <= 0 || (accessor_->count > 0 &&
-                        begin + stride * (accessor_->count - 1) + element > bytes.size())) {
-      fail(file, "an accessor reaches past its buffer");
-    }
+    // By division: a lying count must not wrap.
+    const bool fits = stride > 0 && element > 0 && begin <= bytes.size() &&
+                      static_cast<size_t>(element) <= bytes.size() - begin &&
+                      accessor_->count <= 1 + (bytes.size() - begin - element) / stride;
+    if (!fits) fail(file, "an accessor reaches past its buffer");
     data_ = bytes.data() + begin;
     stride_ = stride;
   }
@@ -125,19 +127,29 @@ class Reader {
       : model_(model), file_(file) {}
 
   MeshSoup read() {
-    if (model_.scenes.empty()) {
-      for (size_t i = 0; i < model_.nodes.size(); ++i)
-        add_node(static_cast<int>(i), Eigen::Matrix4d::Identity(), 0);
-      return soup_;
-    }
-    const int scene = std::max(0, model_.defaultScene);
-    for (const int node : model_.scenes.at(scene).nodes) {
-      add_node(node, Eigen::Matrix4d::Identity(), 0);
-    }
+    for (const int node : root_nodes()) add_node(node, Eigen::Matrix4d::Identity(), 0);
     return soup_;
   }
 
  private:
+  // Those of the default scene; in a file without scenes, the nodes that are nobody's child.
+  std::vector<int> root_nodes() const {
+    if (!model_.scenes.empty()) {
+      const size_t scene = static_cast<size_t>(std::max(0, model_.defaultScene));
+      if (scene >= model_.scenes.size()) fail(file_, "bad scene index");
+      return model_.scenes[scene].nodes;
+    }
+    std::set<int> children;
+    for (const tinygltf::Node& node : model_.nodes) {
+      children.insert(node.children.begin(), node.children.end());
+    }
+    std::vector<int> roots;
+    for (int i = 0; i < static_cast<int>(model_.nodes.size()); ++i) {
+      if (!children.contains(i)) roots.push_back(i);
+    }
+    return roots;
+  }
+
   void add_node(int index, const Eigen::Matrix4d& file_from_parent, int depth) {
     if (index < 0 || index >= static_cast<int>(model_.nodes.size())) fail(file_, "bad node index");
     if (depth > 64) fail(file_, "nodes are nested deeper than 64 or in a circle");

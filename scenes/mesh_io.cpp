@@ -22,26 +22,28 @@ namespace {
 constexpr double kDefaultCreaseAngleRad = 45 * std::numbers::pi / 180;
 constexpr double kWeldFraction = 1e-6;  // of the mesh's size: float files carry 1e-7
 
-Eigen::Vector3d axis_named(const std::string& name, const char* key) {
+Eigen::Vector3d axis_named(const std::string& name, const char* key,
+                           const std::filesystem::path& file) {
   const bool well_formed =
       name.size() == 2 && (name[0] == '+' || name[0] == '-') && name[1] >= 'x' && name[1] <= 'z';
   if (!well_formed) {
-    throw InputError(
-        fmt::format("mesh.{} = \"{}\" is no axis (allowed: +x, -x, +y, -y, +z, -z)", key, name));
+    throw InputError(fmt::format("{}: {} = \"{}\" is no axis (allowed: +x, -x, +y, -y, +z, -z)",
+                                 file.string(), key, name));
   }
   return (name[0] == '-' ? -1.0 : 1.0) * Eigen::Vector3d::Unit(name[1] - 'x');
 }
 
-Eigen::Matrix3d target_from_file_rotation(const MeshFrame& frame) {
-  const Eigen::Vector3d forward = axis_named(frame.forward, "forward");
-  const Eigen::Vector3d up = axis_named(frame.up, "up");
+Eigen::Matrix3d target_from_file_rotation(const MeshFrame& frame,
+                                          const std::filesystem::path& file) {
+  const Eigen::Vector3d forward = axis_named(frame.forward, "forward", file);
+  const Eigen::Vector3d up = axis_named(frame.up, "up", file);
   if (forward.dot(up) != 0) {
-    throw InputError(
-        fmt::format("mesh.forward = \"{}\" and mesh.up = \"{}\" must be different axes",
-                    frame.forward, frame.up));
+    throw InputError(fmt::format("{}: forward = \"{}\" and up = \"{}\" must be different axes",
+                                 file.string(), frame.forward, frame.up));
   }
   if (!(frame.unit_m > 0) || !std::isfinite(frame.unit_m)) {
-    throw InputError(fmt::format("mesh.unit_m = {} must be a positive number", frame.unit_m));
+    throw InputError(
+        fmt::format("{}: unit_m = {} must be a positive number", file.string(), frame.unit_m));
   }
   Eigen::Matrix3d rotation;
   rotation.row(0) = forward;
@@ -60,15 +62,17 @@ class Welder {
     for (int64_t dx = -1; dx <= 1; ++dx) {
       for (int64_t dy = -1; dy <= 1; ++dy) {
         for (int64_t dz = -1; dz <= 1; ++dz) {
-          const auto found = vertex_in_.find({home[0] + dx, home[1] + dy, home[2] + dz});
-          if (found == vertex_in_.end()) continue;
-          if ((vertices[found->second] - point).norm() <= cell_m_) return found->second;
+          const Cell cell = {home[0] + dx, home[1] + dy, home[2] + dz};
+          const auto [begin, end] = vertices_in_.equal_range(cell);
+          for (auto at = begin; at != end; ++at) {
+            if ((vertices[at->second] - point).norm() <= cell_m_) return at->second;
+          }
         }
       }
     }
     vertices.push_back(point);
     const int index = static_cast<int>(vertices.size()) - 1;
-    vertex_in_.emplace(home, index);
+    vertices_in_.emplace(home, index);
     return index;
   }
 
@@ -91,7 +95,8 @@ class Welder {
   }
 
   double cell_m_;
-  std::unordered_map<Cell, int, CellHash> vertex_in_;
+  // A cell's diagonal is longer than the tolerance: it may hold several vertices.
+  std::unordered_multimap<Cell, int, CellHash> vertices_in_;
 };
 
 double size_of(const MeshSoup& soup) {
@@ -112,6 +117,18 @@ bool is_degenerate(const Mesh& mesh, const std::array<int, 3>& v, double toleran
   return a.cross(b).norm() <= tolerance_m * longest;
 }
 
+// Keeps the normals that the file has.
+void fill_missing_normals(Mesh& mesh) {
+  const std::vector<Triangle> from_file = mesh.triangles;
+  compute_corner_normals(mesh, kDefaultCreaseAngleRad);
+  for (size_t i = 0; i < from_file.size(); ++i) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const Eigen::Vector3d& normal = from_file[i].normal[corner];
+      if (normal.squaredNorm() > 0) mesh.triangles[i].normal[corner] = normal;
+    }
+  }
+}
+
 LoadedMesh clean(const MeshSoup& soup) {
   LoadedMesh loaded;
   Mesh& mesh = loaded.mesh;
@@ -128,7 +145,6 @@ LoadedMesh clean(const MeshSoup& soup) {
       static_cast<int>(3 * soup.triangles.size() - mesh.vertices.size());
 
   std::set<std::array<int, 3>> seen;
-  bool has_all_normals = true;
   for (size_t i = 0; i < corners.size(); ++i) {
     if (is_degenerate(mesh, corners[i], tolerance_m)) {
       ++loaded.cleaning.degenerate_triangles;
@@ -142,11 +158,8 @@ LoadedMesh clean(const MeshSoup& soup) {
     }
     const SoupTriangle& source = soup.triangles[i];
     mesh.triangles.push_back({corners[i], source.part, source.normal});
-    for (const Eigen::Vector3d& normal : source.normal) {
-      has_all_normals = has_all_normals && normal.squaredNorm() > 0;
-    }
   }
-  if (!has_all_normals) compute_corner_normals(mesh, kDefaultCreaseAngleRad);
+  fill_missing_normals(mesh);
   return loaded;
 }
 
@@ -157,13 +170,33 @@ void transform(MeshSoup& soup, const Eigen::Matrix3d& rotation, double unit_m) {
   }
 }
 
-void require_finite(const MeshSoup& soup, const std::filesystem::path& file) {
+// Beyond these, sizes and cells would not be numbers that doubles and grids can hold.
+constexpr double kLargestCoordinate = 1e12;
+constexpr double kSmallestSizeFraction = 1e-9;  // of the greatest coordinate
+constexpr size_t kMaxParts = 65535;             // ids of parts have 16 bits, 0 is background
+
+void require_usable(const MeshSoup& soup, const std::filesystem::path& file) {
+  double largest = 0;
   for (const SoupTriangle& triangle : soup.triangles) {
     for (const Eigen::Vector3d& corner : triangle.corner) {
       if (!corner.allFinite()) {
         throw InputError(fmt::format("{}: a vertex is not a finite number", file.string()));
       }
+      largest = std::max(largest, corner.cwiseAbs().maxCoeff());
     }
+  }
+  if (largest > kLargestCoordinate) {
+    throw InputError(fmt::format("{}: a coordinate is {:.3g}, must be at most {:.0e}",
+                                 file.string(), largest, kLargestCoordinate));
+  }
+  const double size = size_of(soup);
+  if (!(size > kSmallestSizeFraction * largest)) {
+    throw InputError(fmt::format("{}: all its triangles are degenerate (its size is {:.3g})",
+                                 file.string(), size));
+  }
+  if (soup.parts.size() > kMaxParts) {
+    throw InputError(fmt::format("{}: has {} parts, must have at most {}", file.string(),
+                                 soup.parts.size(), kMaxParts));
   }
 }
 
@@ -195,9 +228,11 @@ void add_transformed(MeshSoup& soup, const SoupTriangle& triangle,
 }
 
 LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame) {
-  const Eigen::Matrix3d target_from_file = target_from_file_rotation(frame);
+  const Eigen::Matrix3d target_from_file = target_from_file_rotation(frame, file);
   if (!std::filesystem::is_regular_file(file)) {
-    throw InputError(fmt::format("{}: no such mesh file", file.string()));
+    const bool exists = std::filesystem::exists(file);
+    throw InputError(fmt::format("{}: {}", file.string(),
+                                 exists ? "is not a regular file" : "no such mesh file"));
   }
   const std::string extension = file.extension().string();
   const bool is_gltf = extension == ".glb" || extension == ".gltf";
@@ -205,7 +240,7 @@ LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame) 
   if (soup.triangles.empty()) {
     throw InputError(fmt::format("{}: holds no triangles", file.string()));
   }
-  require_finite(soup, file);
+  require_usable(soup, file);
   transform(soup, target_from_file, frame.unit_m);
   LoadedMesh loaded = clean(soup);
   if (loaded.mesh.triangles.empty()) {

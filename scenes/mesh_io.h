@@ -32,8 +32,9 @@ struct LoadedMesh {
 /// Reads a mesh: .glb and .gltf through tinygltf, all else through Assimp. Coincident vertices are
 /// welded (within 1e-6 of the size), degenerate and duplicate triangles dropped. Normals of the
 /// file are kept; where it has none they are computed with a crease angle of 45 degrees. Each mesh
-/// of each node is a part; its albedo is the luminance of the material's base or diffuse colour.
-/// Throws InputError for a missing, unreadable, empty or non-finite mesh, or a wrong MeshFrame.
+/// (in glTF, each primitive) of each node is a part; its albedo is the luminance of the material's
+/// base or diffuse colour. Throws InputError for a missing, unreadable, empty or non-finite mesh,
+/// or a wrong MeshFrame.
 LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame = {});
 
 /// Writes a .glb with tinygltf, one node and material a part, in glTF's own frame (y up, z

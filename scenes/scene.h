@@ -49,8 +49,8 @@ struct PriorError {
 Pose draw_prior(const Pose& truth_cam_from_target, const Camera& camera, const PriorError& error,
                 RandomStream& stream);
 
-/// Why a scene cannot be imaged, in words for the user ("the target is behind the camera", "the
-/// target's origin is outside the image"); empty when it can.
+/// Why a scene cannot be imaged, in words for the user (the target reaches behind the camera, or
+/// its projected box lies outside the image); empty when it can.
 std::string why_not_imageable(const Scene& scene);
 
 }  // namespace sightline

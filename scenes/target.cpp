@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "scenes/assets.h"
@@ -26,6 +27,7 @@ MeshFrame read_frame(const TomlTable& table) {
 TargetFeature read_feature(const TomlTable& table) {
   TargetFeature feature;
   feature.name = table.text("name");
+  if (feature.name.empty()) table.fail("name", "is empty");
   const std::vector<std::string> kinds = {std::string(to_string(FeatureKind::kLineIntersection)),
                                           std::string(to_string(FeatureKind::kCorner))};
   const bool has_edges = table.choice("kind", kinds) == kinds[0];
@@ -34,6 +36,7 @@ TargetFeature read_feature(const TomlTable& table) {
   feature.clearance_m = table.number("clearance_m", {0, 1e6}, feature.clearance_m);
   if (!has_edges) return feature;
   const auto edges = table.point_lists("edges_m", 2, 2);
+  constexpr double kLeastSine = 0.01;  // half a degree: less is one edge, not two
   for (int i = 0; i < 2; ++i) {
     feature.edges[i] = {edges[i][0], edges[i][1]};
     if ((edges[i][0] - feature.position_m).norm() > kOnFeatureM) {
@@ -43,6 +46,9 @@ TargetFeature read_feature(const TomlTable& table) {
       table.fail("edges_m", fmt::format("edge {} has no length", i));
     }
   }
+  const Eigen::Vector3d a = (edges[0][1] - edges[0][0]).normalized();
+  const Eigen::Vector3d b = (edges[1][1] - edges[1][0]).normalized();
+  if (a.cross(b).norm() < kLeastSine) table.fail("edges_m", "must not be parallel");
   return feature;
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #define TOML_EXCEPTIONS 1
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -22,6 +23,7 @@ namespace sightline {
 struct TomlTable::Document {
   std::filesystem::path file;
   toml::table root;
+  std::map<std::string, std::string> overrides;  // the setting as typed, by its key's path
 };
 
 struct TomlTable::Node {
@@ -87,10 +89,14 @@ toml::table parse_override_value(const std::string& value) {
   }
 }
 
-void apply_override(toml::table& root, const std::string& setting) {
+// Sets the key and returns its path.
+std::string apply_override(toml::table& root, const std::string& setting) {
   const size_t equals = setting.find('=');
-  const auto path = split_path(std::string_view(setting).substr(0, equals));
-  if (equals == std::string::npos || path.empty()) {
+  const std::string key = setting.substr(0, equals);
+  const auto path = split_path(key);
+  const bool is_key = key.find_first_of(" \t\n") == std::string::npos && !key.ends_with('.') &&
+                      !path.empty() && std::count(path.begin(), path.end(), "") == 0;
+  if (equals == std::string::npos || !is_key) {
     throw InputError(
         fmt::format("--set {}: must read key=value, for example noise.scale=2", setting));
   }
@@ -105,6 +111,7 @@ void apply_override(toml::table& root, const std::string& setting) {
   const toml::table parsed = parse_override_value(setting.substr(equals + 1));
   parsed.get("value")->visit(
       [&](const auto& value) { table->insert_or_assign(path.back(), value); });
+  return key;
 }
 
 // toml++ writes 0.15 as 0.14999999999999999; this is the same number in the fewest digits.
@@ -128,7 +135,8 @@ TomlTable TomlTable::read_file(const std::filesystem::path& file,
                                std::span<const std::string> overrides) {
   std::ifstream stream(file, std::ios::binary);
   if (!std::filesystem::is_regular_file(file) || !stream) {
-    throw InputError(fmt::format("{}: no such file, or it cannot be read", file.string()));
+    throw InputError(
+        fmt::format("{}: no such file, or it is not one that can be read", file.string()));
   }
   const std::string text((std::istreambuf_iterator<char>(stream)), {});
   return read_text(text, file, overrides);
@@ -144,7 +152,9 @@ TomlTable TomlTable::read_text(const std::string& text, const std::filesystem::p
     throw InputError(
         fmt::format("{}:{}: {}", name.string(), error.source().begin.line, error.description()));
   }
-  for (const std::string& setting : overrides) apply_override(document->root, setting);
+  for (const std::string& setting : overrides) {
+    document->overrides[apply_override(document->root, setting)] = setting;
+  }
   auto node = std::make_shared<Node>();
   node->table = &document->root;
   node->document = std::move(document);
@@ -329,8 +339,12 @@ void TomlTable::reject_unknown_keys() const {
 }
 
 void TomlTable::fail(std::string_view key, const std::string& message) const {
-  throw InputError(
-      fmt::format("{}: {}{} {}", node_->document->file.string(), node_->prefix, key, message));
+  const std::string path = fmt::format("{}{}", node_->prefix, key);
+  const auto setting = node_->document->overrides.find(path);
+  const std::string source = setting == node_->document->overrides.end()
+                                 ? node_->document->file.string()
+                                 : "--set " + setting->second;
+  throw InputError(fmt::format("{}: {} {}", source, path, message));
 }
 
 const std::filesystem::path& TomlTable::file() const {

@@ -50,18 +50,18 @@ std::string opening(const ReportInput& input) {
   const auto trials = static_cast<int64_t>(input.trials.size());
   const size_t conditions = input.study.conditions.size();
   if (conditions < 2) return fmt::format("Over {}:", counted(trials, "trial"));
-  return fmt::format("Over {} in {} conditions, each weighing the same:", counted(trials, "trial"),
-                     conditions);
+  const auto run = static_cast<size_t>(conditions_with_trials(input.summary));
+  return fmt::format(
+      "Over {} in {} conditions, each weighing the same:", counted(trials, "trial"),
+      run == conditions ? fmt::to_string(run) : fmt::format("{} of the {}", run, conditions));
 }
 
 // "24 of 80 trials without a pose (too few points)".
 std::string failures(std::span<const TrialRecord> trials, const SolverMeans& means) {
   std::set<std::string> reasons;
   for (const TrialRecord& trial : trials) {
-    for (const EstimateRecord& estimate : trial.estimates) {
-      if (estimate.solver != means.solver || estimate.is_ok()) continue;
-      reasons.insert(words(estimate.status));
-    }
+    const EstimateRecord* estimate = find_estimate(trial, means.solver);
+    if (estimate != nullptr && !estimate->is_ok()) reasons.insert(words(estimate->status));
   }
   const std::string why = reasons.empty() ? "" : fmt::format(" ({})", fmt::join(reasons, ", "));
   return fmt::format("{} of {} without a pose{}", means.failures, counted(means.trials, "trial"),
@@ -92,13 +92,11 @@ mustache::data solver_line(const ReportInput& input, const PoseSolver& solver) {
 }
 
 double capped_theta_deg(const TrialRecord& trial, std::string_view solver) {
-  for (const EstimateRecord& estimate : trial.estimates) {
-    if (estimate.solver != solver) continue;
-    // Not std::min alone: a NaN must count as the cap.
-    const bool is_below = estimate.is_ok() && estimate.theta_error_deg < kAngleCapDeg;
-    return is_below ? estimate.theta_error_deg : kAngleCapDeg;
-  }
-  return std::numeric_limits<double>::quiet_NaN();
+  const EstimateRecord* estimate = find_estimate(trial, solver);
+  if (estimate == nullptr) return std::numeric_limits<double>::quiet_NaN();
+  // Not std::min alone: a NaN must count as the cap.
+  const bool is_below = estimate->is_ok() && estimate->theta_error_deg < kAngleCapDeg;
+  return is_below ? estimate->theta_error_deg : kAngleCapDeg;
 }
 
 // The same trials through both solvers, so that what the images have in common cancels.
@@ -138,13 +136,8 @@ std::string comparison(const ReportInput& input, std::string_view lead, std::str
 
 // The least error that an unbiased estimator can have, and where that noise was found.
 std::string bound_sentence(const Summary& summary) {
-  double theta = 0;
-  double t = 0;
-  for (const CellObservations& cell : summary.observations) {
-    const double n = static_cast<double>(summary.observations.size());
-    theta += cell.bound_theta_deg / n;
-    t += cell.bound_t_percent / n;
-  }
+  const double theta = mean_over_conditions(summary, &CellObservations::bound_theta_deg);
+  const double t = mean_over_conditions(summary, &CellObservations::bound_t_percent);
   if (!(theta > 0)) return "";
   return fmt::format(
       "The Cramér–Rao bound of the true inliers, with the noise that they show, is {}° and {} % in "

@@ -22,15 +22,8 @@ constexpr size_t kMaxFirstDraws = 4;
 constexpr std::string_view kRanks[] = {"", "second ", "third "};
 constexpr size_t kWorstFrames = std::size(kRanks);
 
-const EstimateRecord* estimate_of(const TrialRecord& trial, const std::string& solver) {
-  for (const EstimateRecord& estimate : trial.estimates) {
-    if (estimate.solver == solver) return &estimate;
-  }
-  return nullptr;
-}
-
 double theta_error_deg(const TrialRecord& trial, const std::string& solver) {
-  const EstimateRecord* estimate = estimate_of(trial, solver);
+  const EstimateRecord* estimate = find_estimate(trial, solver);
   const bool is_ok =
       estimate != nullptr && estimate->is_ok() && std::isfinite(estimate->theta_error_deg);
   return is_ok ? estimate->theta_error_deg : std::numeric_limits<double>::infinity();
@@ -92,7 +85,7 @@ void choose_first(std::vector<FrameChoice>& choices, std::span<const TrialRecord
                   const std::string& solver, const IsOfThatKind& is_of_that_kind,
                   const std::string& reason) {
   for (const TrialRecord& trial : trials) {
-    const EstimateRecord* estimate = estimate_of(trial, solver);
+    const EstimateRecord* estimate = find_estimate(trial, solver);
     if (estimate == nullptr || !is_of_that_kind(*estimate)) continue;
     choose(choices, trial, reason);
     return;
@@ -120,8 +113,47 @@ Outline traced(Renderer& renderer, const Scene& scene, const EstimateRecord& est
   return target_outline(renderer, scene, estimate.cam_from_target);
 }
 
-FrameEvidence evidence_of(const Study& study, const FrameChoice& choice, Renderer& renderer) {
-  FrameEvidence evidence{choice.caption, run_trial(study, choice.trial, renderer), {}};
+bool is_same(const Pose& a, const Pose& b) {
+  return a.rotation == b.rotation && a.translation == b.translation;
+}
+
+bool is_same(double a, double b) {
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
+
+bool is_same(const ObservationRecord& a, const ObservationRecord& b) {
+  return a.feature == b.feature && a.status == b.status && a.is_visible == b.is_visible &&
+         a.is_outlier == b.is_outlier && (!a.is_found() || a.pixel == b.pixel);
+}
+
+// A failed trial's numbers mean nothing.
+bool is_same(const EstimateRecord& a, const EstimateRecord& b) {
+  if (a.solver != b.solver || a.status != b.status) return false;
+  if (!a.is_ok()) return true;
+  return is_same(a.cam_from_target, b.cam_from_target) && a.removed == b.removed &&
+         is_same(a.theta_error_deg, b.theta_error_deg) &&
+         is_same(a.t_error_percent, b.t_error_percent) &&
+         is_same(a.reprojection_rms_px, b.reprojection_rms_px);
+}
+
+template <typename Record>
+bool is_same(const std::vector<Record>& a, const std::vector<Record>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const Record& x, const Record& y) { return is_same(x, y); });
+}
+
+// In all that the report shows of a trial, bit by bit.
+bool is_same(const TrialRecord& a, const TrialRecord& b) {
+  return is_same(a.true_cam_from_target, b.true_cam_from_target) &&
+         is_same(a.observations, b.observations) && is_same(a.estimates, b.estimates);
+}
+
+FrameEvidence evidence_of(const Study& study, const FrameChoice& choice, const TrialRecord& stored,
+                          Renderer& renderer) {
+  FrameEvidence evidence{choice.caption, stored, run_trial(study, choice.trial, renderer), {}};
+  if (!is_same(stored, evidence.trial.record)) {
+    evidence.caption += "; this re-run differs from the stored trial";
+  }
   for (const EstimateRecord& estimate : evidence.trial.record.estimates) {
     Outline outline = traced(renderer, evidence.trial.scene, estimate);
     if (!outline.empty()) evidence.outlines.emplace(estimate.solver, std::move(outline));
@@ -155,7 +187,10 @@ std::vector<FrameEvidence> gather_evidence(const Study& study, std::span<const T
                                            Renderer& renderer) {
   std::vector<FrameEvidence> frames;
   for (const FrameChoice& choice : choose_frames(study, trials)) {
-    frames.push_back(evidence_of(study, choice, renderer));
+    const auto stored = std::find_if(trials.begin(), trials.end(), [&](const TrialRecord& trial) {
+      return trial.trial == choice.trial;
+    });
+    frames.push_back(evidence_of(study, choice, *stored, renderer));
   }
   return frames;
 }

@@ -27,7 +27,8 @@ struct FrameChoice {
 std::vector<FrameChoice> choose_frames(const Study& study, std::span<const TrialRecord> trials);
 
 /// Runs the chosen trials again (they depend on nothing but the study and their number) and traces
-/// the target's outline in the pose of each solver that found one.
+/// the target's outline in the pose of each solver that found one. On another machine or with
+/// another version of the program the re-run may differ from the stored trial: the caption says so.
 std::vector<FrameEvidence> gather_evidence(const Study& study, std::span<const TrialRecord> trials,
                                            Renderer& renderer);
 

@@ -20,9 +20,8 @@ namespace mustache = kainjow::mustache;
 
 // The legend's boxes need no script: a rule each hides a layer whose box is not ticked.
 constexpr const char* kTemplate = R"html(
-<p>A choice of trials, run again: the image as the extractor saw it, what it found, and the
-target’s outline
-at each solver’s pose.</p>
+<p>A choice of trials, run again for their pictures: the image as the extractor saw it, what it
+found, and the target’s outline at each solver’s pose. The tables state the stored trials.</p>
 <style>
 {{#layers}}#frames:has(#show-{{name}}:not(:checked)) .layer-{{name}} { display: none; }
 {{/layers}}
@@ -252,7 +251,7 @@ FeatureDrawings draw_features(const Trial& trial) {
 }
 
 mustache::data frame_data(const Study& study, const FrameEvidence& frame, size_t number) {
-  const TrialRecord& record = frame.trial.record;
+  const TrialRecord& record = frame.stored;
   const cv::Mat& image = frame.trial.frame.image;
   const std::string id = fmt::format("frame-{}", number);
   const FeatureDrawings drawings = draw_features(frame.trial);

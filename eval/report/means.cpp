@@ -11,7 +11,7 @@ namespace {
 
 MeanInterval mean_of(const std::vector<MeanInterval>& strata) {
   if (strata.empty()) return {};
-  MeanInterval all;
+  MeanInterval all{0, {}};
   double below = 0;
   double above = 0;
   for (const MeanInterval& stratum : strata) {
@@ -25,11 +25,13 @@ MeanInterval mean_of(const std::vector<MeanInterval>& strata) {
   return all;
 }
 
-std::optional<PaperFigure> mean_paper_figure(const Study& study, std::string_view solver) {
+std::optional<PaperFigure> mean_paper_figure(const Study& study, const std::vector<int>& conditions,
+                                             std::string_view solver) {
+  if (conditions.empty()) return std::nullopt;
   PaperFigure mean;
-  const double n = static_cast<double>(study.conditions.size());
-  for (const Condition& condition : study.conditions) {
-    const PaperFigure* figure = paper_figure(condition, solver);
+  const double n = static_cast<double>(conditions.size());
+  for (const int condition : conditions) {
+    const PaperFigure* figure = paper_figure(study.conditions[condition], solver);
     if (figure == nullptr) return std::nullopt;
     mean.theta_error_deg += figure->theta_error_deg / n;
     mean.t_error_percent += figure->t_error_percent / n;
@@ -54,8 +56,10 @@ SolverMeans means_over_conditions(const Study& study, const Summary& summary,
   means.solver = solver;
   std::vector<MeanInterval> thetas;
   std::vector<MeanInterval> ts;
+  std::vector<int> conditions;
   for (const CellSummary& cell : summary.cells) {
     if (cell.solver != solver || cell.trials == 0) continue;
+    conditions.push_back(cell.condition);
     means.trials += cell.trials;
     means.failures += cell.failures;
     thetas.push_back({cell.theta_error_deg.mean, cell.theta_error_deg.mean_ci95});
@@ -63,7 +67,7 @@ SolverMeans means_over_conditions(const Study& study, const Summary& summary,
   }
   means.theta_error_deg = mean_of(thetas);
   means.t_error_percent = mean_of(ts);
-  means.paper = mean_paper_figure(study, solver);
+  means.paper = mean_paper_figure(study, conditions, solver);
   return means;
 }
 
@@ -75,6 +79,20 @@ const PaperFigure* paper_figure(const Condition& condition, std::string_view sol
 bool has_paper_figures(const Study& study) {
   return std::any_of(study.conditions.begin(), study.conditions.end(),
                      [](const Condition& condition) { return !condition.paper.empty(); });
+}
+
+double mean_over_conditions(const Summary& summary, double CellObservations::*member) {
+  double sum = 0;
+  for (const CellObservations& cell : summary.observations) {
+    if (cell.trials > 0) sum += cell.*member;
+  }
+  const int conditions = conditions_with_trials(summary);
+  return conditions > 0 ? sum / conditions : ErrorSummary::kNone;
+}
+
+int conditions_with_trials(const Summary& summary) {
+  return static_cast<int>(std::count_if(summary.observations.begin(), summary.observations.end(),
+                                        [](const CellObservations& c) { return c.trials > 0; }));
 }
 
 const CellSummary* find_cell(const Summary& summary, int condition, std::string_view solver) {

@@ -16,24 +16,25 @@ namespace sightline {
 /// empty where there is none.
 std::string lead_solver(const Study& study);
 
+/// NaN where there is nothing to take a mean of.
 struct MeanInterval {
-  double mean = 0;
-  std::array<double, 2> ci95{};
+  double mean = ErrorSummary::kNone;
+  std::array<double, 2> ci95{ErrorSummary::kNone, ErrorSummary::kNone};
 };
 
-/// One solver over all conditions of a study, each condition weighing the same: what the paper's
-/// text calls its average.
+/// One solver over all conditions of a study that have trials (a shard may lack some), each
+/// condition weighing the same: what the paper's text calls its average.
 struct SolverMeans {
   std::string solver;
   int trials = 0;
   int failures = 0;
   MeanInterval theta_error_deg;
   MeanInterval t_error_percent;
-  std::optional<PaperFigure> paper;  ///< where the paper prints a figure for every condition
+  std::optional<PaperFigure> paper;  ///< of the same conditions, where it prints one for each
 };
 
-/// The means over the conditions that the summary has of this solver. The conditions' trials are
-/// independent, so that the half-widths of their intervals add as squares.
+/// The conditions' trials are independent, so that the half-widths of their intervals add as
+/// squares.
 SolverMeans means_over_conditions(const Study& study, const Summary& summary,
                                   std::string_view solver);
 
@@ -43,7 +44,13 @@ const PaperFigure* paper_figure(const Condition& condition, std::string_view sol
 /// True when the paper prints a figure for any cell of the study.
 bool has_paper_figures(const Study& study);
 
-/// What the summary says of a cell; null where no trial of it was run.
+/// The mean over the conditions that have trials of what their images gave; NaN where none has.
+double mean_over_conditions(const Summary& summary, double CellObservations::*member);
+
+/// How many conditions have trials.
+int conditions_with_trials(const Summary& summary);
+
+/// What the summary says of a cell; null where it says nothing.
 const CellSummary* find_cell(const Summary& summary, int condition, std::string_view solver);
 const CellObservations* find_observations(const Summary& summary, int condition);
 

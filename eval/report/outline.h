@@ -15,7 +15,7 @@ namespace sightline {
 Outline target_outline(Renderer& renderer, const Scene& scene, const Pose& cam_from_target);
 
 /// The camera that sees the same with `factor` pixels for each: its pixels are the parts of the
-/// coarse ones. Free of distortion.
+/// coarse ones. It has the same lens: a distortion stays.
 Camera finer(const Camera& camera, int factor);
 
 }  // namespace sightline

@@ -21,9 +21,10 @@ constexpr const char* kTemplate = R"html(
 </dl>
 <h3>To repeat it</h3>
 <pre><code>{{repeat}}</code></pre>
+<p>Run this in the folder of the report, where study.toml is the study as it was run, with all that
+options changed.{{#has_typed}} What was typed: <code>{{typed}}</code>{{/has_typed}}</p>
 <p>Every trial depends on the study, the seed and its own number alone, so that the number of
-processes,
-shards and interruptions does not matter. On one machine results.csv and summary.json repeat byte
+processes and of shards does not matter. On one machine results.csv and summary.json repeat byte
 for byte; on
 another type of processor the images may differ in the last grey level.</p>
 <h3>Conventions</h3>
@@ -72,7 +73,7 @@ their half-widths as squares.</li>
 )html";
 
 // First what a reader asks first; whatever else the manifest holds comes after.
-constexpr const char* kFirstKeys[] = {"version", "command", "seed", "machine"};
+constexpr const char* kFirstKeys[] = {"version", "seed", "machine"};
 
 void add_fact(mustache::data& facts, const std::string& key, const std::string& value) {
   facts << mustache::object{{"key", key}, {"value", value}};
@@ -95,7 +96,8 @@ mustache::data facts_of(const ReportInput& input) {
     add_fact(facts, key, found->second);
     rest.erase(found);
   }
-  for (const char* key : {"study", "trials"}) rest.erase(key);  // stated from the study itself
+  // Stated from the study itself, and where it says how to repeat the run.
+  for (const char* key : {"study", "trials", "command"}) rest.erase(key);
   add_fact(facts, "trials", fmt::to_string(input.trials.size()));
   add_fact(facts, "poses drawn anew", fmt::to_string(redraws(input.trials)));
   for (const auto& [key, value] : rest) add_fact(facts, words(key), value);
@@ -103,18 +105,23 @@ mustache::data facts_of(const ReportInput& input) {
 }
 
 std::string repeat_command(const ReportInput& input) {
-  return fmt::format(
-      "sightline study {} --seed {} --trials {}\n"
-      "# or, with everything as below: sightline study study.toml",
-      input.study.name, input.study.seed, input.study.draws);
+  const auto shard = input.meta.find("shard");
+  const bool is_whole = shard == input.meta.end() || shard->second.ends_with("/1") ||
+                        shard->second.find('/') == std::string::npos;  // "merged from 4"
+  return fmt::format("sightline study study.toml{} --out again",
+                     is_whole ? "" : " --shard " + shard->second);
 }
 
 }  // namespace
 
 std::string provenance_figure(const ReportInput& input) {
+  const auto typed = input.meta.find("command");
+  const bool has_typed = typed != input.meta.end();
   return mustache::mustache(kTemplate).render(mustache::object{
       {"facts", facts_of(input)},
       {"repeat", repeat_command(input)},
+      {"has_typed", has_typed},
+      {"typed", has_typed ? typed->second : ""},
       {"outlier_px", fmt::to_string(input.study.outlier_px)},
       {"angle_cap", fmt::to_string(kAngleCapDeg)},
       {"t_cap", fmt::to_string(kTranslationCapPercent)},

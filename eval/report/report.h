@@ -19,11 +19,13 @@ namespace sightline {
 /// The target's outline in a pose, closed polygons in pixels (eval/report/outline.h).
 using Outline = std::vector<std::vector<Eigen::Vector2d>>;
 
-/// One frame as the report shows it: the trial with its evidence, and the target's outline as each
-/// solver's pose (by the solver's name; absent where it failed) would draw it. Chosen by
-/// gather_evidence (eval/report/evidence.h).
+/// One frame as the report shows it: the run's record of a trial, whose numbers are stated, the
+/// same trial run again for its picture, and the target's outline as each solver's pose in that
+/// picture (by the solver's name; absent where it failed) would draw it. Chosen by gather_evidence
+/// (eval/report/evidence.h).
 struct FrameEvidence {
-  std::string caption;  ///< "pose 1, draw 1" or "worst of ORPE"
+  std::string caption;  ///< "pose 1, draw 1" or "worst of ORPE"; says if the two records differ
+  TrialRecord stored;
   Trial trial;
   std::map<std::string, Outline> outlines;
 };

@@ -205,12 +205,10 @@ mustache::data condition_row(const ReportInput& input, int condition) {
 
 CellObservations mean_observations(const Summary& summary) {
   CellObservations mean;
-  const double n = static_cast<double>(summary.observations.size());
-  for (const CellObservations& cell : summary.observations) {
-    mean.outliers += cell.outliers / n;
-    mean.inlier_rms_px += cell.inlier_rms_px / n;
-    mean.bound_theta_deg += cell.bound_theta_deg / n;
-    mean.bound_t_percent += cell.bound_t_percent / n;
+  for (double CellObservations::*member :
+       {&CellObservations::outliers, &CellObservations::inlier_rms_px,
+        &CellObservations::bound_theta_deg, &CellObservations::bound_t_percent}) {
+    mean.*member = mean_over_conditions(summary, member);
   }
   return mean;
 }

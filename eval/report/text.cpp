@@ -67,6 +67,7 @@ std::string measure(double value) {
 }
 
 std::string interval(const std::array<double, 2>& bounds, int decimals) {
+  if (std::isnan(bounds[0]) && std::isnan(bounds[1])) return "";
   return fmt::format("[{}, {}]", fixed(bounds[0], decimals), fixed(bounds[1], decimals));
 }
 

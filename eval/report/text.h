@@ -21,7 +21,8 @@ std::string fixed(double value, int decimals);
 int decimals_for(double value);
 std::string measure(double value);
 
-/// "[1.20, 1.42]", with the decimals of the value that it belongs to.
+/// "[1.20, 1.42]", with the decimals of the value that it belongs to; empty where there is none
+/// (NaN).
 std::string interval(const std::array<double, 2>& bounds, int decimals);
 
 /// "12 (3.0 %)"; "0" alone for none of some, "–" for none of none.

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The nose of the ORPE paper (section 4): of the corners found in the window, the one nearest its
-// centre. The paper names no detector; this is Shi and Tomasi's (CVPR 1994): local maxima of the
-// smaller eigenvalue of the structure tensor. A floor under that eigenvalue keeps an empty window
-// from offering the noise's own maxima as corners.
+// centre, which is the prediction. The paper names no detector; this is Shi and Tomasi's (CVPR
+// 1994): local maxima of the smaller eigenvalue of the structure tensor. A floor under that
+// eigenvalue keeps an empty window from offering the noise's own maxima as corners.
 #include <algorithm>
 #include <limits>
 
@@ -20,13 +20,13 @@ constexpr int kSobelAperture = 3;
 // 0.7 px under a block of 5 px. Measured; the test of this extractor holds it to its meaning.
 constexpr double kResponseOfUnitCorner = 0.14;
 
-// The least quality, as a fraction of the window's best corner, that also meets the floor; above 1
-// when no corner does.
-double least_quality(const cv::Mat& window, const CornerOptions& options) {
+// The least quality, as a fraction of the best corner under the mask, that also meets the floor;
+// above 1 when no corner does.
+double least_quality(const cv::Mat& image, const cv::Mat& mask, const CornerOptions& options) {
   cv::Mat smaller_eigenvalue;
-  cv::cornerMinEigenVal(window, smaller_eigenvalue, options.block_px, kSobelAperture);
+  cv::cornerMinEigenVal(image, smaller_eigenvalue, options.block_px, kSobelAperture);
   double best = 0;
-  cv::minMaxLoc(smaller_eigenvalue, nullptr, &best);
+  cv::minMaxLoc(smaller_eigenvalue, nullptr, &best, nullptr, nullptr, mask);
   if (best <= 0) return std::numeric_limits<double>::infinity();
   const double contrast = options.min_contrast_grey;
   return std::max(options.quality, kResponseOfUnitCorner * contrast * contrast / best);
@@ -37,15 +37,24 @@ double least_quality(const cv::Mat& window, const CornerOptions& options) {
 void extract_shi_tomasi_nearest(const cv::Mat& image, const FeaturePrediction& prediction,
                                 const ExtractorOptions& options, Observation& observation) {
   const CornerOptions& corner = options.corner;
-  cv::Mat window;  // as float, where OpenCV's eigenvalues are in grey levels squared
-  image(observation.window).convertTo(window, CV_32F);
-  const double quality = least_quality(window, corner);
+  // With a border of the image around the window: mirrored at its rim, an edge would make a corner.
+  const int border_px = corner.block_px / 2 + kSobelAperture / 2 + 1;
+  const cv::Rect& window = observation.window;
+  const cv::Rect wide = cv::Rect(window.x - border_px, window.y - border_px,
+                                 window.width + 2 * border_px, window.height + 2 * border_px) &
+                        cv::Rect({0, 0}, image.size());
+  cv::Mat grey;  // as float, where OpenCV's eigenvalues are in grey levels squared
+  image(wide).convertTo(grey, CV_32F);
+  cv::Mat mask = cv::Mat::zeros(wide.size(), CV_8U);
+  mask(cv::Rect(window.tl() - wide.tl(), window.size())) = 255;
+
   observation.status = ObservationStatus::kNoCorner;
+  const double quality = least_quality(grey, mask, corner);
   if (quality > 1) return;
   std::vector<cv::Point2f> found;
-  cv::goodFeaturesToTrack(window, found, corner.max_corners, quality, corner.min_distance_px,
-                          cv::noArray(), corner.block_px, kSobelAperture);
-  const Eigen::Vector2d origin(observation.window.x, observation.window.y);
+  cv::goodFeaturesToTrack(grey, found, corner.max_corners, quality, corner.min_distance_px, mask,
+                          corner.block_px, kSobelAperture);
+  const Eigen::Vector2d origin(wide.x, wide.y);
   double nearest_px = std::numeric_limits<double>::infinity();
   for (const cv::Point2f& point : found) {
     const Eigen::Vector2d pixel = origin + Eigen::Vector2d(point.x, point.y);

@@ -86,6 +86,19 @@ TEST_F(Program, JobsShardsAndRepetitionsGiveTheSameResults) {
   ASSERT_EQ(run(study + "--seed 2 --out " + path("other")).exit_code, 0);
   EXPECT_NE(results("one", "results.csv"), results("other", "results.csv"));
 
+  // Four shards of four poses: each holds one pose alone, and together they are the whole.
+  const std::string table = "study boeing-table1 --trials 2 --quiet ";
+  ASSERT_EQ(run(table + "--out " + path("table")).exit_code, 0);
+  std::string merge_table = "merge";
+  for (int i = 3; i >= 0; --i) {
+    const std::string shard = path("table" + std::to_string(i));
+    ASSERT_EQ(run(table + "--shard " + std::to_string(i) + "/4 --out " + shard).exit_code, 0);
+    merge_table += " " + shard;
+  }
+  ASSERT_EQ(run(merge_table + " --out " + path("table-merged")).exit_code, 0);
+  EXPECT_EQ(results("table", "results.csv"), results("table-merged", "results.csv"));
+  EXPECT_EQ(results("table", "summary.json"), results("table-merged", "summary.json"));
+
   // The other half of the promise: shards that do not belong together are refused.
   const Outcome missing =
       run("merge " + path("shard0") + " " + path("shard1") + " --out " + path("x"));
@@ -148,6 +161,29 @@ TEST_F(Program, AnOutputFolderInUseIsRefusedAndKept) {
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_THAT(outcome.output, HasSubstr("not empty"));
   EXPECT_EQ(read_whole(folder_.path() / "kept.txt"), "precious");
+}
+
+TEST_F(Program, FoldersThatHadToBeMadeDoNotOutliveAFailure) {
+  const auto broken = folder_.write("broken.toml", "title = 3\n");
+  EXPECT_EQ(run("study " + broken.string() + " --out " + path("a/b/c")).exit_code, 1);
+  EXPECT_EQ(run("merge " + path("nothing") + " --out " + path("a/b/c")).exit_code, 1);
+  EXPECT_FALSE(fs::exists(path("a")));
+}
+
+TEST_F(Program, WhatAKilledRunLeftIsSweptByTheNext) {
+  // The number of a process that is no more: that of a child which has ended.
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  waitpid(child, nullptr, 0);
+  const fs::path stale = folder_.path() / (".run.partial-" + std::to_string(child));
+  fs::create_directories(stale);
+  ASSERT_EQ(run("study boeing-table1 --trials 1 --quiet --out " + path("run")).exit_code, 0);
+  EXPECT_FALSE(fs::exists(stale));
+}
+
+TEST_F(Program, AnOptionThatDoesNothingIsRefused) {
+  EXPECT_EQ(run("target cube --forward=+x").exit_code, 1);
+  EXPECT_EQ(run("target cube --theta=nan,0,0").exit_code, 1);
 }
 
 TEST_F(Program, UsageErrorsExitWithTwo) {

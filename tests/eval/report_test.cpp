@@ -135,6 +135,7 @@ Observation observed(int feature, const cv::Rect& window) {
 FrameEvidence small_frame(const TrialRecord& record) {
   FrameEvidence frame;
   frame.caption = "pose 1, draw 1; worst of ORPE";
+  frame.stored = record;
   frame.trial.record = record;
   frame.trial.frame.image = cv::Mat(kSide, kSide, CV_8U, cv::Scalar(40));
   frame.trial.frame.image(cv::Rect(16, 16, 24, 24)) = 200;
@@ -296,12 +297,14 @@ TEST(Report, EveryFragmentHasItsAnchorOnce) {
 }
 
 TEST(Report, SaysWhatPageFileIsMissing) {
-  const ScopedVariable assets("SIGHTLINE_ASSETS", "/nowhere/assets");
+  const fs::path folder = fs::path(::testing::TempDir()) / "assets without a report";
+  fs::create_directories(folder / "targets");
+  const ScopedVariable assets("SIGHTLINE_ASSETS", folder.string());
   try {
     SmallReport().page();
     FAIL() << "no error";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("/nowhere/assets/report/"));
+    EXPECT_THAT(error.what(), HasSubstr((folder / "report").string()));
   }
 }
 
@@ -335,6 +338,37 @@ TEST(AnswerFigure, ComparesSolversTrialByTrial) {
         report.trials[i].estimates[0].theta_error_deg + (i % 2 == 0 ? 0.5 : -0.5);
   }
   EXPECT_TRUE(has(report.page(), "do not tell the θ errors of ORPE and LSPE apart"));
+}
+
+// As of a shard that has no trial of pose 1.
+SmallReport report_of_pose_2() {
+  SmallReport report;
+  for (CellSummary& cell : report.summary.cells) {
+    if (cell.condition != 0) continue;
+    CellSummary empty;
+    empty.solver = cell.solver;
+    cell = empty;
+  }
+  report.summary.observations[0] = {};
+  std::erase_if(report.trials, [](const TrialRecord& trial) { return trial.condition == 0; });
+  return report;
+}
+
+TEST(AnswerFigure, LeavesConditionsWithoutTrialsOut) {
+  const std::string page = report_of_pose_2().page();
+  EXPECT_TRUE(has(page, "Over 2 trials in 1 of the 2 conditions"));
+  EXPECT_TRUE(has(page, "<b>2.25°</b>"));
+  EXPECT_TRUE(has(page, "The paper’s figures average 3.07° and 2.6&nbsp;%")) << "of pose 2 alone";
+  EXPECT_TRUE(has(page, "is 0.12° and 0.046 % in the mean"));  // the bound
+}
+
+TEST(TableFigure, LeavesConditionsWithoutTrialsOutOfTheMeans) {
+  const std::string page = report_of_pose_2().page();
+  EXPECT_TRUE(has(page, "<b>–</b> <span class=\"interval\"></span>"));
+  EXPECT_FALSE(has(page, "[–, –]"));
+  EXPECT_TRUE(has(page, "<td class=\"group\">–</td><td>–</td>"));
+  const std::string mean_row = page.substr(page.find("<th scope=\"row\">mean</th>"));
+  EXPECT_TRUE(has(mean_row, "<td class=\"group\">0.12</td><td>0.046</td>"));
 }
 
 TEST(TableFigure, StandsBesideThePaper) {
@@ -389,10 +423,39 @@ TEST(FramesFigure, MarksNoRemovalWhereNothingWasRemoved) {
 
 TEST(FramesFigure, ShowsAFailedSolverAndAFrameWithoutImage) {
   SmallReport report;
-  report.frames[0].trial.record.estimates[0].status = "too_few_points";
+  report.frames[0].stored.estimates[0].status = "too_few_points";
   EXPECT_TRUE(has(report.page(), "no pose: too few points"));
   report.frames[0].trial.frame.image.release();
   EXPECT_FALSE(has(report.page(), "data:image/png"));
+}
+
+TEST(FramesFigure, StatesTheStoredNumbers) {
+  SmallReport report;
+  report.frames[0].stored.estimates[0].theta_error_deg = 7.89;
+  report.frames[0].trial.record.estimates[0].theta_error_deg = 4.56;
+  const std::string page = report.page();
+  EXPECT_TRUE(has(page, "<td>7.89</td>"));
+  EXPECT_FALSE(has(page, "<td>4.56</td>"));
+}
+
+TEST(ProvenanceFigure, RepeatsTheRunFromItsStudyFile) {
+  SmallReport report;
+  const auto page_of = [&report](const std::string& shard) {
+    const ReportInput input{report.study,
+                            report.summary,
+                            report.trials,
+                            report.frames,
+                            {{"shard", shard}, {"command", "sightline study x --set a=<b>"}}};
+    return one_line(render_report(input));
+  };
+  EXPECT_TRUE(has(page_of("0/1"), "<code>sightline study study.toml --out again</code>"));
+  EXPECT_TRUE(has(page_of("merged from 4"), "<code>sightline study study.toml --out again</code>"));
+  EXPECT_TRUE(
+      has(page_of("1/4"), "<code>sightline study study.toml --shard 1/4 --out again</code>"));
+  EXPECT_TRUE(has(page_of("0/1"), "typed: <code>sightline study x --set a=&lt;b&gt;</code>"));
+  EXPECT_TRUE(has(report.page(), "study.toml --out again"));  // without a manifest
+  EXPECT_FALSE(has(report.page(), "What was typed"));
+  EXPECT_FALSE(has(report.page(), "interrupt"));
 }
 
 TEST(FrameSvg, PutsPixelCentresAtIntegers) {
@@ -507,6 +570,28 @@ TEST(Evidence, OfATrialWithoutAnyPoseIsThatTrial) {
   const auto choices = choose_frames(report.study, report.trials);
   ASSERT_EQ(choices.size(), 1u);
   EXPECT_EQ(choices[0].caption, "first draw; ORPE finds no pose");
+}
+
+TEST(Evidence, SaysWhereTheRunAgainDiffersFromTheStoredTrial) {
+  Renderer renderer;
+  StudyOverrides overrides;
+  overrides.trials = 1;
+  const Study study = read_study("boeing-table1", overrides);
+  std::vector<TrialRecord> trials = {run_trial(study, 0, renderer).record};
+  const std::string differs = "this re-run differs from the stored trial";
+
+  std::vector<FrameEvidence> frames = gather_evidence(study, trials, renderer);
+  ASSERT_EQ(frames.size(), 1u);
+  EXPECT_THAT(frames[0].caption, Not(HasSubstr(differs)));
+
+  double& x_m = trials[0].estimates[0].cam_from_target.translation.x();
+  x_m = std::nextafter(x_m, 1e9);
+  frames = gather_evidence(study, trials, renderer);
+  EXPECT_THAT(frames[0].caption, HasSubstr(differs));
+  EXPECT_EQ(frames[0].stored.estimates[0].cam_from_target.translation.x(), x_m);
+
+  trials[0].estimates[0].status = "degenerate";
+  EXPECT_THAT(gather_evidence(study, trials, renderer)[0].caption, HasSubstr(differs));
 }
 
 TEST(Evidence, OfNothingIsNothing) {

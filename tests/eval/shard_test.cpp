@@ -39,6 +39,11 @@ TEST(Shard, NonsenseIsAnInputError) {
   }
 }
 
+TEST(Shard, AShardOfALargeShardDoesNotOverflow) {
+  const Shard shard = read("1073741824/2000000000").shard;
+  EXPECT_EQ(shard.count * 1024, 2048000000000);
+}
+
 TEST(Shard, AutoAsksTheEngine) {
   const ShardChoice mpi =
       read("auto", {{"OMPI_COMM_WORLD_RANK", "3"}, {"OMPI_COMM_WORLD_SIZE", "4"}});

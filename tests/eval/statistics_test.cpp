@@ -77,10 +77,10 @@ TEST(BcaMeanInterval, OfEqualValuesIsThatPoint) {
   EXPECT_EQ(interval[1], 0.1);
 }
 
-TEST(BcaMeanInterval, OfNothingIsZero) {
+TEST(BcaMeanInterval, OfNothingIsNoNumber) {
   const auto interval = bca_mean_interval({}, 1, "nothing");
-  EXPECT_EQ(interval[0], 0);
-  EXPECT_EQ(interval[1], 0);
+  EXPECT_TRUE(std::isnan(interval[0]));
+  EXPECT_TRUE(std::isnan(interval[1]));
 }
 
 TEST(BcaMeanInterval, RepeatsWithItsStreamAndVariesWithSeedAndName) {
@@ -240,11 +240,12 @@ TEST(Summarise, TakesNoNumberForAFailure) {
   EXPECT_EQ(summary.capped, 1);
 }
 
-TEST(Summarise, OfNothingIsZero) {
+TEST(Summarise, OfNothingIsNoNumber) {
   const ErrorSummary summary = summarise({}, kCap, 1, "nothing");
-  EXPECT_EQ(summary.mean, 0);
-  EXPECT_EQ(summary.median, 0);
-  EXPECT_EQ(summary.rms, 0);
+  for (const double number : {summary.mean, summary.mean_ci95[0], summary.mean_ci95[1],
+                              summary.median, summary.rms, summary.p90}) {
+    EXPECT_TRUE(std::isnan(number));
+  }
   EXPECT_EQ(summary.capped, 0);
 }
 

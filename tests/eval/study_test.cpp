@@ -72,7 +72,11 @@ TEST(Study, MistakesGetOneClearLine) {
   EXPECT_THAT(error_of({"camera.f_px=-1"}), HasSubstr("camera.f_px"));
   EXPECT_THAT(error_of({"solvers=[]"}), HasSubstr("at least one"));
   EXPECT_THAT(error_of({"solvers=['orpe', 'orpe']"}), HasSubstr("twice"));
-  EXPECT_THAT(error_of({"trials=0"}), HasSubstr("from 1 to"));
+  EXPECT_THAT(error_of({"trials=0"}), AllOf(HasSubstr("--set trials=0"), HasSubstr("from 1 to")));
+  EXPECT_THAT(error_of({"features=[]"}), HasSubstr("features is empty"));
+  EXPECT_THAT(error_of({"name='../escaped'"}), HasSubstr("must be letters"));
+  EXPECT_THAT(error_of({".noise=1"}), HasSubstr("must read key=value"));
+  EXPECT_THAT(error_of({"extraction.lines.canny_high=20"}), HasSubstr("canny_high"));
   EXPECT_THAT(error_of({"poses.range_m=[1, 2]"}), HasSubstr("beside"));
 }
 

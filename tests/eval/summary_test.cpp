@@ -232,6 +232,19 @@ TEST(Summary, HasNoBoundWithoutEnoughInliers) {
   EXPECT_TRUE(std::isnan(summarise(cube_study(), trials).observations[0].bound_theta_deg));
 }
 
+TEST(Summary, LeavesFeaturesThatTheTargetNoLongerHasOutOfTheBound) {
+  const Study study = cube_study();
+  std::vector<TrialRecord> with_stranger = cube_trials(2, 1);
+  std::vector<TrialRecord> without = with_stranger;
+  for (TrialRecord& trial : with_stranger) trial.observations[0].feature = "chimney";
+  for (TrialRecord& trial : without) trial.observations.erase(trial.observations.begin());
+  const CellObservations expected = summarise(study, without).observations[0];
+  const CellObservations cell = summarise(study, with_stranger).observations[0];
+  EXPECT_GT(expected.bound_geodesic_deg, 0);
+  EXPECT_EQ(cell.bound_geodesic_deg, expected.bound_geodesic_deg);
+  EXPECT_EQ(cell.bound_t_percent, expected.bound_t_percent);
+}
+
 TEST(Summary, CountsWhatTheImagesGave) {
   const Summary summary = summarise(two_poses(), handmade_trials());
   EXPECT_EQ(summary.observations[0].trials, 3);
@@ -304,8 +317,32 @@ TEST(Summary, OfNoTrialsIsThereAllTheSame) {
   const Summary summary = summarise(study, {});
   ASSERT_EQ(summary.cells.size(), 6);
   EXPECT_EQ(summary.cells[0].trials, 0);
-  EXPECT_EQ(summary.cells[0].missed_outliers, 0);
   EXPECT_NO_THROW(Json::parse(to_json(study, summary)));
+}
+
+// A shard may have no trial of a condition: that is no perfect result.
+TEST(Summary, OfAConditionWithoutTrialsHasNoNumbers) {
+  std::vector<TrialRecord> trials = handmade_trials();
+  std::erase_if(trials, [](const TrialRecord& trial) { return trial.condition == 1; });
+  const Study study = two_poses();
+  const Json json = Json::parse(to_json(study, summarise(study, trials)));
+  const Json& cell = json["cells"][3];
+  EXPECT_EQ(cell["trials"], 0);
+  EXPECT_EQ(cell["failures"], 0);
+  for (const char* error : {"theta_error_deg", "t_error_percent", "geodesic_deg"}) {
+    EXPECT_TRUE(cell[error]["mean"].is_null());
+    EXPECT_TRUE(cell[error]["mean_ci95"][0].is_null());
+    EXPECT_TRUE(cell[error]["median"].is_null());
+    EXPECT_TRUE(cell[error]["rms"].is_null());
+  }
+  for (const char* rate : {"false_removals", "missed_outliers", "exact_set_rate", "ratio_to_oracle",
+                           "ratio_to_bound"}) {
+    EXPECT_TRUE(cell[rate].is_null()) << rate;
+  }
+  const Json& observations = json["observations"][1];
+  EXPECT_EQ(observations["trials"], 0);
+  EXPECT_TRUE(observations["found_per_trial"].is_null());
+  EXPECT_TRUE(observations["outliers_per_trial"].is_null());
 }
 
 // ---- summary.json ----

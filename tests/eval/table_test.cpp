@@ -30,6 +30,7 @@ Study four_poses() {
   };
   study.poses.theta_deg = {{-20, 30, 40}, {-30, 50, 20}};
   study.poses.t_m = {{-5, 5, 1300}, {-8, 3, 1500}};
+  study.features = {0, 1, 2, 3, 4};
   for (const char* name : {"orpe", "lspe", "oracle"}) {
     study.solvers.push_back(find_pose_solver(name));
   }
@@ -220,9 +221,43 @@ TEST(Table, KeepsLongWordsWithinItsWidth) {
   expect_tidy(to_table(study, summary_of(study)));
 }
 
-TEST(Table, OfNoTrialsIsThereAllTheSame) {
+// As of a shard that has no trial of pose 1.
+TEST(Table, LeavesConditionsWithoutTrialsOutOfTheMeans) {
   const Study study = four_poses();
-  expect_tidy(to_table(study, summarise(study, {})));
+  Summary summary = summary_of(study);
+  for (CellSummary& cell : summary.cells) {
+    if (cell.condition != 0) continue;
+    CellSummary empty;
+    empty.solver = cell.solver;
+    cell = empty;
+  }
+  summary.observations[0] = {};
+  std::erase_if(summary.features, [](const FeatureSummary& f) { return f.condition == 0; });
+  const std::string table = to_table(study, summary);
+  expect_tidy(table);
+  EXPECT_THAT(table, HasSubstr("100 trials in 1 of 2 conditions, seed 1\n"));
+  EXPECT_THAT(table, HasSubstr(R"(
+pose 1  1.68 2.07     -            -     -            -     -            -     -
+pose 2  2.08 2.22  2.50 [2.25, 2.75]  2.50 [2.25, 2.75]  2.50 [2.25, 2.75]  0.38
+mean    2.08 2.22  2.50               2.50               2.50               0.38
+)"));
+  EXPECT_THAT(table, HasSubstr("\norpe          1.25       2.00             0.12           0.50"));
+  EXPECT_THAT(table, HasSubstr(R"(
+        found of 5  outliers  inlier rms / px
+─────────────────────────────────────────────
+pose 1           -         -                -
+pose 2        4.50      0.75             0.62
+mean          4.50      0.75             0.62
+)"));
+}
+
+TEST(Table, OfNoTrialsHasDashesForNumbers) {
+  const Study study = four_poses();
+  const std::string table = to_table(study, summarise(study, {}));
+  expect_tidy(table);
+  EXPECT_THAT(table, HasSubstr("0 trials in 0 of 2 conditions"));
+  EXPECT_THAT(table, HasSubstr("found of 5"));
+  EXPECT_THAT(table, Not(HasSubstr("0.0")));
 }
 
 }  // namespace

@@ -134,6 +134,12 @@ TEST(ShiTomasiNearest, FindsTheCornerNearestTheWindowsCentre) {
   }
 }
 
+TEST(ShiTomasiNearest, AnEdgeThatLeavesTheWindowIsNoCorner) {
+  // One oblique edge across the whole image: mirrored at the window's rim it would be a corner.
+  const cv::Mat edge = wedge_image({-100, 30}, 20, 110, 0, 40, 100);
+  EXPECT_EQ(extract(edge, corner_prediction({60, 90})).status, ObservationStatus::kNoCorner);
+}
+
 TEST(ShiTomasiNearest, NoiseIsNoCorner) {
   const Observation noisy = extract(wedge_image({500, 500}, 0, 10), corner_prediction({60, 60}));
   EXPECT_EQ(noisy.status, ObservationStatus::kNoCorner);

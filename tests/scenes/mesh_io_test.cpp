@@ -114,6 +114,59 @@ TEST(MeshIo, ATruncatedGlbIsAnErrorNotACrash) {
   }
 }
 
+TEST(MeshIo, PointsThatCoincideAreOneVertexAlsoInACrowdedCell) {
+  const TemporaryFolder folder;
+  // Two vertices in one cell of the grid but farther apart than the tolerance (1e-6 of the size,
+  // about 1.4e-6 here), each given twice.
+  const auto file = folder.write("crowded.obj",
+                                 "v 0.2e-6 0.2e-6 0.2e-6\nv 1.2e-6 1.2e-6 1.2e-6\n"
+                                 "v 0.2e-6 0.2e-6 0.2e-6\nv 1.2e-6 1.2e-6 1.2e-6\n"
+                                 "v 1 0 0\nv 0 1 0\nv 1 1 0\n"
+                                 "f 1 5 7\nf 2 7 6\nf 3 6 5\nf 4 5 6\n");
+  const Mesh mesh = read_mesh(file).mesh;
+  EXPECT_EQ(mesh.vertices.size(), 5u);
+}
+
+TEST(MeshIo, AMeshWithoutSizeIsDegenerate) {
+  const TemporaryFolder folder;
+  for (const char* vertex : {"v 0 0 0\n", "v 1e8 1e8 1e8\n"}) {
+    const auto file =
+        folder.write("point.obj", std::string(vertex) + vertex + vertex + "f 1 2 3\n");
+    EXPECT_THAT(error_of(file), HasSubstr("degenerate"));
+  }
+  const auto huge = folder.write("huge.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n");
+  EXPECT_THAT(error_of(huge), HasSubstr("at most"));
+}
+
+TEST(MeshIo, AGltfWithoutScenesIsReadFromItsRoots) {
+  const TemporaryFolder folder;
+  // One triangle in a child node that its parent moves by 10 along x; no "scenes" at all.
+  const std::string gltf = R"({"asset":{"version":"2.0"},
+    "nodes":[{"children":[1],"translation":[10,0,0]},{"mesh":0}],
+    "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+    "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3",
+                  "min":[0,0,0],"max":[1,1,0]}],
+    "bufferViews":[{"buffer":0,"byteLength":36}],
+    "buffers":[{"byteLength":36,"uri":"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})";
+  const Mesh mesh = read_mesh(folder.write("child.gltf", gltf)).mesh;
+  ASSERT_EQ(mesh.triangles.size(), 1u);
+  EXPECT_NEAR(bounds(mesh).min_m.x(), 10, 1e-6);
+
+  std::string bad_scene = gltf;
+  bad_scene.replace(bad_scene.find("\"nodes\""), 0, "\"scene\":7,\"scenes\":[{\"nodes\":[0]}],");
+  EXPECT_THAT(error_of(folder.write("scene.gltf", bad_scene)), HasSubstr("scene"));
+}
+
+TEST(MeshIo, TornFilesAreErrorsOrMeshesNeverCrashes) {
+  const TemporaryFolder folder;
+  const std::string obj = kSquareObj;
+  for (size_t size = 1; size < obj.size(); size += 7) {
+    error_of(folder.write("torn.obj", obj.substr(0, size)));
+  }
+  const auto bad_index = folder.write("index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 99\n");
+  EXPECT_NE(error_of(bad_index), "");
+}
+
 TEST(MeshIo, RejectsAFrameThatIsNone) {
   const TemporaryFolder folder;
   const auto file = folder.write("square.obj", kSquareObj);

@@ -1,0 +1,30 @@
+# SPDX-FileCopyrightText: 2026 The Sightline authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+#
+# cmake -D BUILD=<build folder> -D SOURCE=<this folder> -D WORK=<scratch> -P install_test.cmake
+# Installs the build, builds and runs a program against the installed pose/, and runs the installed
+# `sightline` (if there is one) with the installed assets alone.
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output
+                  ERROR_VARIABLE output)
+  if(NOT result EQUAL 0)
+    message(FATAL_ERROR "${ARGN}: exit code ${result}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${WORK})
+run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed)
+run(${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${WORK}/consumer
+    -D CMAKE_PREFIX_PATH=${WORK}/installed -D CMAKE_CXX_FLAGS=${FLAGS})
+run(${CMAKE_COMMAND} --build ${WORK}/consumer)
+run(${WORK}/consumer/consumer)
+if(EXISTS ${WORK}/installed/bin/sightline)
+  # Without the cube the list can only come from the installed assets.
+  file(REMOVE_RECURSE ${WORK}/installed/share/sightline/targets/cube)
+  run(${WORK}/installed/bin/sightline list targets)
+  if(NOT output MATCHES "boeing707" OR output MATCHES "cube")
+    message(FATAL_ERROR "the installed program does not list the installed targets:\n${output}")
+  endif()
+endif()
+file(REMOVE_RECURSE ${WORK})
