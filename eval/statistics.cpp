@@ -134,7 +134,7 @@ double percentile(std::span<const double> values, double p) {
 
 std::array<double, 2> bca_mean_interval(std::span<const double> values, uint64_t seed,
                                         std::string_view stream) {
-  if (values.empty()) {
+  if (values.size() < 2) {  // one value says nothing of how the next would differ
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     return {kNone, kNone};
   }

@@ -29,7 +29,7 @@ ErrorSummary summarise(std::span<const double> errors, double cap, uint64_t seed
 
 /// The bias-corrected and accelerated bootstrap interval of the mean of finite values (Efron 1987;
 /// Efron and Tibshirani 1993, section 14.3), 95 %, 2000 resamples. A single point where all values
-/// are equal, NaN where there are none. Deviations: a resample that ties with the mean counts half
+/// are equal, NaN for fewer than two. Deviations: a resample that ties with the mean counts half
 /// in the bias correction, as capped errors tie often; beyond 20000 values, where the two agree, it
 /// is the normal approximation, mean +- 1.96 standard errors.
 std::array<double, 2> bca_mean_interval(std::span<const double> values, uint64_t seed,

@@ -83,6 +83,11 @@ TEST(BcaMeanInterval, OfNothingIsNoNumber) {
   EXPECT_TRUE(std::isnan(interval[1]));
 }
 
+TEST(BcaMeanInterval, OfOneValueIsNoNumber) {
+  const std::vector<double> one = {0.3};
+  EXPECT_TRUE(std::isnan(bca_mean_interval(one, 1, "one")[0]));
+}
+
 TEST(BcaMeanInterval, RepeatsWithItsStreamAndVariesWithSeedAndName) {
   const std::vector<double> values{0.2, 0.5, 0.9, 1.4, 2.2, 3.7};
   const auto interval = bca_mean_interval(values, 1, "a");
