@@ -11,8 +11,8 @@
 namespace sightline {
 
 /// A counter-based stream of random numbers (Philox 4x32-10, Salmon et al. 2011, from Random123),
-/// keyed by (seed, name, index): trial 17's noise is the same alone, among shards or after a
-/// resume, and streams of different names or indices are independent. The distributions are our
+/// keyed by (seed, name, index): trial 17's noise is the same alone or among shards, in any
+/// order, and streams of different names or indices are independent. The distributions are our
 /// own, so that a standard library's choice of algorithm changes nothing.
 class RandomStream {
  public:

@@ -264,7 +264,7 @@ std::vector<EdgePosition> edge_positions(const Scene& scene, const cv::Mat& imag
     const Eigen::Vector2d d = (edge.end - edge.begin).cwiseAbs();
     const double cosine = d.maxCoeff() / d.norm();  // from along a row to across the edge
     positions.push_back({mean * cosine, d.minCoeff() / d.maxCoeff()});
-    if (std::abs(mean) > 0.15) cv::imwrite("renderer_edges.png", image * 255);
+    if (std::abs(mean) > 0.15) cv::imwrite(testing::TempDir() + "renderer_edges.png", image * 255);
   }
   return positions;
 }
