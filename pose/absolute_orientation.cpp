@@ -3,6 +3,7 @@
 #include "pose/absolute_orientation.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -134,6 +135,26 @@ OrientationEstimate fast_absolute_orientation(std::span<const Eigen::Vector3d> p
   if (estimate.status != OrientationStatus::kOk) return estimate;
   estimate.b_from_a.translation = mean_b - estimate.b_from_a.rotation * mean_a;
   return estimate;
+}
+
+namespace {
+
+constexpr std::array kMethods = {
+    OrientationMethod{"fast", "closed form without decomposition (Li et al. 2012), made safe",
+                      fast_absolute_orientation},
+};
+
+}  // namespace
+
+std::span<const OrientationMethod> orientation_methods() {
+  return kMethods;
+}
+
+const OrientationMethod* find_orientation_method(std::string_view name) {
+  for (const OrientationMethod& method : kMethods) {
+    if (method.name == name) return &method;
+  }
+  return nullptr;
 }
 
 }  // namespace sightline

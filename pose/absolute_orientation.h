@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <string_view>
 
 #include <Eigen/Core>
 
@@ -36,5 +37,20 @@ OrientationEstimate fast_rotation(const Eigen::Matrix3d& b);
 /// shifted by the centroid.
 OrientationEstimate fast_absolute_orientation(std::span<const Eigen::Vector3d> points_in_a,
                                               std::span<const Eigen::Vector3d> points_in_b);
+
+/// One way to the absolute orientation. In the catalogue for comparison; whoever wants a pose calls
+/// fast_absolute_orientation.
+struct OrientationMethod {
+  std::string_view name;
+  std::string_view summary;
+  OrientationEstimate (*estimate)(std::span<const Eigen::Vector3d> points_in_a,
+                                  std::span<const Eigen::Vector3d> points_in_b);
+};
+
+/// The catalogue, in the order in which it is listed.
+std::span<const OrientationMethod> orientation_methods();
+
+/// The method of that name, or null.
+const OrientationMethod* find_orientation_method(std::string_view name);
 
 }  // namespace sightline

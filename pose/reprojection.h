@@ -182,8 +182,10 @@ struct LeastSquares {
   int iterations = 0;                           ///< of all starts
 };
 
-/// The LSPE iteration (pose/solvers/lspe.cpp) from every start; the lowest cost wins.
+/// The LSPE iteration (pose/solvers/lspe.cpp) from every start; the lowest cost wins. `weights`
+/// multiply the squared residuals; none means ones. A point of weight zero does not take part, may
+/// lie behind the camera, and is not looked at.
 LeastSquares least_squares(const Correspondences& c, std::span<const Pose> cam_from_centred_starts,
-                           const LspeOptions& options);
+                           const LspeOptions& options, std::span<const double> weights = {});
 
 }  // namespace sightline

@@ -23,6 +23,9 @@ struct PoseProblem {
   std::vector<Eigen::Vector2d> pixels;            ///< one a point
   /// Covariance of each pixel; empty or one a point. LSPE and ORPE, as printed, ignore it.
   std::vector<Eigen::Matrix2d> covariances_px2;
+  /// Standard deviation of an inlier's noise in each coordinate, where there are no covariances; 0:
+  /// not known. Solvers that need it estimate it then. LSPE and ORPE, as printed, do not.
+  double sigma_px = 0;
   /// Where to start. Without it solvers start from orthogonal iteration, which needs no truth.
   std::optional<Pose> initial_cam_from_target;
   /// For the oracle alone, which exists for evaluation: which points are true inliers.
@@ -48,6 +51,13 @@ struct PoseEstimate {
   /// points; radians and metres.
   Matrix6d unit_covariance = Matrix6d::Zero();
   int iterations = 0;  ///< of the innermost optimiser, all calls together
+
+  // From solvers that weigh hypotheses (orpe_weighed); others leave them as they are.
+  Pose most_probable_cam_from_target;  ///< with exactly `removed` removed
+  double removed_probability = 1;      ///< of exactly `removed` being the outliers
+  bool is_ambiguous = false;           ///< another pose explains the pixels nearly as well
+  bool is_removal_limit_reached = false;
+  bool is_test_failed = false;  ///< what is kept does not look like noise of the stated size
 };
 
 struct LspeOptions {
@@ -58,12 +68,25 @@ struct LspeOptions {
 };
 
 struct OrpeOptions {
+  /// What the pose is the minimiser of, on the points that are left.
+  enum class Final { kMinimax, kLeastSquares };
+
   double rho = 10;  ///< an outlier lowers the minimax residual at least by this factor (squared px)
+  Final final = Final::kMinimax;
+};
+
+/// What is known of outliers before any pixel is seen. Which solver uses what is said in its file.
+struct OutlierOptions {
+  double probability = 0.1;        ///< of a point being an outlier
+  double scale_px = 20;            ///< standard deviation of an outlier's error, each coordinate
+  double false_alarm_rate = 0.01;  ///< of removing anything from points that have no outlier
+  std::optional<int> max_removed;  ///< none: as many as leave the solver two redundant points
 };
 
 struct SolverOptions {
   LspeOptions lspe;
   OrpeOptions orpe;
+  OutlierOptions outliers;
 };
 
 /// One way to estimate a pose. To add a solver: write pose/solvers/<name>.cpp with one function of

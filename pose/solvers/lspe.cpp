@@ -27,14 +27,17 @@ namespace sightline {
 namespace {
 
 /// Half the sum of squares, J^T r and J^T J. None when a point is behind the camera.
-std::optional<LocalModel> gauss_newton_model(const Correspondences& c, const Pose& pose) {
+std::optional<LocalModel> gauss_newton_model(const Correspondences& c,
+                                             std::span<const double> weights, const Pose& pose) {
   LocalModel model;
   for (std::size_t i = 0; i < c.size(); ++i) {
+    const double weight = weights.empty() ? 1.0 : weights[i];
+    if (weight == 0) continue;
     const std::optional<Reprojection> r = reproject(c, i, pose);
     if (!r) return std::nullopt;
-    model.cost += 0.5 * r->residual_px.squaredNorm();
-    model.gradient.noalias() += r->jacobian.transpose() * r->residual_px;
-    model.hessian.noalias() += r->jacobian.transpose() * r->jacobian;
+    model.cost += 0.5 * weight * r->residual_px.squaredNorm();
+    model.gradient.noalias() += weight * r->jacobian.transpose() * r->residual_px;
+    model.hessian.noalias() += weight * r->jacobian.transpose() * r->jacobian;
   }
   return model;
 }
@@ -48,13 +51,13 @@ bool is_preferable(const Minimum& a, const Minimum& b) {
 }  // namespace
 
 LeastSquares least_squares(const Correspondences& c, std::span<const Pose> cam_from_centred_starts,
-                           const LspeOptions& options) {
+                           const LspeOptions& options, std::span<const double> weights) {
   LeastSquares result;
   if (cam_from_centred_starts.empty()) {
     result.status = PoseStatus::kDegenerate;
     return result;
   }
-  const auto evaluate = [&c](const Pose& pose) { return gauss_newton_model(c, pose); };
+  const auto evaluate = [&](const Pose& pose) { return gauss_newton_model(c, weights, pose); };
   std::optional<Minimum> best;
   for (const Pose& start : cam_from_centred_starts) {
     const Minimum minimum =
