@@ -10,6 +10,12 @@
 namespace sightline {
 namespace {
 
+using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+std::size_t lanes_for(std::size_t points) {
+  return (points + kernel::kLanes - 1) / kernel::kLanes;
+}
+
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
@@ -20,6 +26,27 @@ Eigen::Vector3d mean(std::span<const Eigen::Vector3d> points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& p : points) sum += p;
   return sum / static_cast<double>(points.size());
+}
+
+Eigen::Matrix3d scatter_of_centred(std::span<const Eigen::Vector3d> points) {
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& p : points) scatter.noalias() += p * p.transpose();
+  return scatter;
+}
+
+/// Sum of the products of two eigenvalues of a symmetric matrix.
+double second_invariant(const Eigen::Matrix3d& m) {
+  return m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) - m(0, 2) * m(0, 2) +
+         m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
+}
+
+/// As PointSpread::is_collinear, but most clouds are seen not to be without their eigenvalues.
+bool is_collinear(const Correspondences& c) {
+  const Eigen::Matrix3d scatter = scatter_of_centred(c.points_in_centred);
+  const double trace = scatter.trace();
+  // The second eigenvalue over the first is at least half this ratio less its rounding.
+  if (second_invariant(scatter) > 1e-8 * trace * trace) return false;
+  return spread_of(c.points_in_centred).is_collinear();
 }
 
 bool is_usable(const Camera& camera) {
@@ -51,7 +78,7 @@ PreparedProblem prepare(const PoseProblem& problem) {
     c.points_in_centred.push_back(problem.points_in_target[i] - c.centroid_in_target);
     c.pixels.emplace_back(c.fx_px * ray->x(), c.fy_px * ray->y());
   }
-  if (!spread_of(c.points_in_centred).is_collinear()) prepared.status = PoseStatus::kOk;
+  if (!is_collinear(c)) prepared.status = PoseStatus::kOk;
   return prepared;
 }
 
@@ -72,11 +99,18 @@ Pose from_centred(const Pose& cam_from_centred, const Correspondences& c) {
 
 Matrix6d covariance_from_centred(const Matrix6d& covariance, const Pose& cam_from_centred,
                                  const Correspondences& c) {
-  // t_target = t_centred - R centroid, so that dt_target = dt_centred + [R centroid]x w.
-  Matrix6d transfer = Matrix6d::Identity();
-  transfer.bottomLeftCorner<3, 3>() =
-      cross_matrix(cam_from_centred.rotation * c.centroid_in_target);
-  return transfer * covariance * transfer.transpose();
+  // t_target = t_centred - R centroid, so that dt_target = dt_centred + C w, C = [R centroid]x.
+  const Eigen::Matrix3d transfer = cross_matrix(cam_from_centred.rotation * c.centroid_in_target);
+  const Eigen::Matrix3d w = covariance.topLeftCorner<3, 3>();
+  const Eigen::Matrix3d t_w = covariance.bottomLeftCorner<3, 3>();
+  const Eigen::Matrix3d moved_t_w = t_w + transfer * w;
+  const Eigen::Matrix3d half = transfer * (t_w + 0.5 * transfer * w).transpose();
+  Matrix6d moved;
+  moved.topLeftCorner<3, 3>() = w;
+  moved.bottomLeftCorner<3, 3>() = moved_t_w;
+  moved.topRightCorner<3, 3>() = moved_t_w.transpose();
+  moved.bottomRightCorner<3, 3>() = covariance.bottomRightCorner<3, 3>() + half + half.transpose();
+  return moved;
 }
 
 PointSpread spread_of(std::span<const Eigen::Vector3d> points) {
@@ -98,7 +132,7 @@ PointSpread spread_of(std::span<const Eigen::Vector3d> points) {
 std::vector<Pose> starting_poses(const Correspondences& c,
                                  const std::optional<Pose>& initial_cam_from_target) {
   if (initial_cam_from_target) return {to_centred(*initial_cam_from_target, c)};
-  // At weak perspective orthogonal iteration is slow, and least squares finishes faster.
+  if (const std::optional<Pose> pose = weak_perspective_start(c)) return {*pose};
   return centred_starts(c, {.max_iterations = 20, .relative_tolerance = 1e-3});
 }
 
@@ -164,6 +198,74 @@ std::optional<Matrix6d> inverse_information(const Matrix6d& information) {
   if (!(root.diagonal().minCoeff() > std::sqrt(kSmallestPivot))) return std::nullopt;
   const Matrix6d inverse = cholesky.solve(Matrix6d::Identity());
   return scale.asDiagonal() * inverse * scale.asDiagonal();
+}
+
+PackedPoints::PackedPoints(const Correspondences& c, std::size_t lanes) : count_(lanes) {
+  if (lanes > kInline) heap_.resize(lanes);
+  const auto place = [&](std::size_t i) -> std::pair<kernel::PointLanes&, std::size_t> {
+    return {data()[i / kernel::kLanes], i % kernel::kLanes};
+  };
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const auto [p, lane] = place(i);
+    p.x[lane] = c.points_in_centred[i].x();
+    p.y[lane] = c.points_in_centred[i].y();
+    p.z[lane] = c.points_in_centred[i].z();
+    p.u[lane] = c.pixels[i].x() / c.fx_px;
+    p.v[lane] = c.pixels[i].y() / c.fy_px;
+  }
+  for (std::size_t i = c.size(); i < lanes * kernel::kLanes; ++i) {
+    const auto [p, lane] = place(i);
+    p.x[lane] = p.y[lane] = p.z[lane] = p.u[lane] = p.v[lane] = 0;
+    p.w_uu[lane] = p.w_uv[lane] = p.w_vv[lane] = 0;
+  }
+}
+
+PackedPoints::PackedPoints(const Correspondences& c, std::span<const double> weights)
+    : PackedPoints(c, lanes_for(c.size())) {
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    kernel::PointLanes& p = data()[i / kernel::kLanes];
+    const std::size_t lane = i % kernel::kLanes;
+    const double weight = weights.empty() ? 1.0 : weights[i];
+    p.w_uu[lane] = weight * c.fx_px * c.fx_px;
+    p.w_uv[lane] = 0;
+    p.w_vv[lane] = weight * c.fy_px * c.fy_px;
+  }
+}
+
+PackedPoints::PackedPoints(const Correspondences& c, std::span<const Eigen::Matrix2d> weights)
+    : PackedPoints(c, lanes_for(c.size())) {
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    kernel::PointLanes& p = data()[i / kernel::kLanes];
+    const std::size_t lane = i % kernel::kLanes;
+    p.w_uu[lane] = weights[i](0, 0) * c.fx_px * c.fx_px;
+    p.w_uv[lane] = weights[i](0, 1) * c.fx_px * c.fy_px;
+    p.w_vv[lane] = weights[i](1, 1) * c.fy_px * c.fy_px;
+  }
+}
+
+kernel::Fit PackedPoints::fit(const Pose& start, int max_iterations, double step_tolerance) const {
+  kernel::RigidPose pose;
+  Eigen::Map<RowMajor3d>(pose.rotation) = start.rotation;
+  Eigen::Map<Eigen::Vector3d>(pose.translation) = start.translation;
+  return kernel::fit(data(), count_, pose, max_iterations, step_tolerance);
+}
+
+Pose pose_from(const kernel::RigidPose& pose) {
+  return {Eigen::Map<const RowMajor3d>(pose.rotation),
+          Eigen::Map<const Eigen::Vector3d>(pose.translation)};
+}
+
+std::optional<Matrix6d> inverse_of(const kernel::NormalEquations& model) {
+  double upper[21];
+  if (!kernel::invert(model.hessian, upper)) return std::nullopt;
+  Matrix6d inverse;
+  const double* next = upper;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) {
+      inverse(row, column) = inverse(column, row) = *next++;
+    }
+  }
+  return inverse;
 }
 
 }  // namespace sightline

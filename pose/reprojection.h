@@ -5,7 +5,9 @@
 // analytic derivative, and the Marquardt iteration.
 #pragma once
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <optional>
 #include <span>
@@ -14,6 +16,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
+#include "pose/kernels/reprojection_kernel.h"
 #include "pose/orthogonal_iteration.h"
 #include "pose/pose.h"
 #include "pose/solver.h"
@@ -78,8 +81,13 @@ PointSpread spread_of(std::span<const Eigen::Vector3d> points);
 std::vector<Pose> centred_starts(const Correspondences& c,
                                  const OrthogonalIterationOptions& options);
 
-/// Where the solvers begin, as cam_from_centred: at the initial pose if there is one, else at what
-/// orthogonal iteration finds. Empty when no start has all points in front of the camera.
+/// The scaled-orthographic pose of a target that is clearly not planar and far enough for it
+/// (kWeakPerspective in orthogonal_iteration.cpp), as cam_from_centred; none otherwise.
+std::optional<Pose> weak_perspective_start(const Correspondences& c);
+
+/// Where the solvers begin, as cam_from_centred: at the initial pose if there is one, else at the
+/// weak_perspective_start where that will do, else at what orthogonal iteration finds. Empty when
+/// no start has all points in front of the camera.
 std::vector<Pose> starting_poses(const Correspondences& c,
                                  const std::optional<Pose>& initial_cam_from_target);
 
@@ -172,6 +180,35 @@ Minimum minimise(const Pose& start, const Evaluate& evaluate, int max_iterations
   }
   return best;
 }
+
+/// Correspondences as the kernel takes them; up to sixteen points cost no allocation.
+class PackedPoints {
+ public:
+  /// `weights` multiply the squared residuals; none means ones. A point of weight zero is not
+  /// looked at.
+  explicit PackedPoints(const Correspondences& c, std::span<const double> weights = {});
+  /// r^T W r with a symmetric matrix for each point, in px^-2.
+  PackedPoints(const Correspondences& c, std::span<const Eigen::Matrix2d> weights);
+
+  /// Marquardt's method from one start (kernel::fit).
+  kernel::Fit fit(const Pose& start, int max_iterations, double step_tolerance) const;
+
+ private:
+  static constexpr std::size_t kInline = 4;
+
+  PackedPoints(const Correspondences& c, std::size_t lanes);
+  kernel::PointLanes* data() { return heap_.empty() ? inline_.data() : heap_.data(); }
+  const kernel::PointLanes* data() const { return heap_.empty() ? inline_.data() : heap_.data(); }
+
+  std::size_t count_;
+  std::array<kernel::PointLanes, kInline> inline_;
+  std::vector<kernel::PointLanes> heap_;
+};
+
+Pose pose_from(const kernel::RigidPose& pose);
+
+/// The inverse of a fit's Hessian, as inverse_information.
+std::optional<Matrix6d> inverse_of(const kernel::NormalEquations& model);
 
 /// Least squares on correspondences.
 struct LeastSquares {

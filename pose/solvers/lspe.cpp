@@ -18,34 +18,28 @@
 // lock at 90 degrees of yaw. Residuals are those of the undistorted pixels (the paper's camera has
 // no distortion). Covariances of pixels are ignored, as in the paper.
 
-#include <cmath>
-
 #include "pose/reprojection.h"
 #include "pose/solvers/solvers.h"
 
 namespace sightline {
 namespace {
 
-/// Half the sum of squares, J^T r and J^T J. None when a point is behind the camera.
-std::optional<LocalModel> gauss_newton_model(const Correspondences& c,
-                                             std::span<const double> weights, const Pose& pose) {
-  LocalModel model;
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const double weight = weights.empty() ? 1.0 : weights[i];
-    if (weight == 0) continue;
-    const std::optional<Reprojection> r = reproject(c, i, pose);
-    if (!r) return std::nullopt;
-    model.cost += 0.5 * weight * r->residual_px.squaredNorm();
-    model.gradient.noalias() += weight * r->jacobian.transpose() * r->residual_px;
-    model.hessian.noalias() += weight * r->jacobian.transpose() * r->jacobian;
-  }
-  return model;
+/// Of two outcomes the one to keep: success before failure, then the lower cost.
+bool is_preferable(const kernel::Fit& a, const kernel::Fit& b) {
+  if (a.status != b.status) return a.status == kernel::FitStatus::kConverged;
+  return a.model.cost < b.model.cost;
 }
 
-/// Of two outcomes the one to keep: success before failure, then the lower cost.
-bool is_preferable(const Minimum& a, const Minimum& b) {
-  if (a.status != b.status) return a.status == PoseStatus::kOk;
-  return a.model.cost < b.model.cost;
+PoseStatus status_of(const kernel::Fit& fit) {
+  switch (fit.status) {
+    case kernel::FitStatus::kConverged:
+      return PoseStatus::kOk;
+    case kernel::FitStatus::kStartBehindCamera:
+      return PoseStatus::kBehindCamera;
+    case kernel::FitStatus::kNotConverged:
+      break;
+  }
+  return PoseStatus::kDiverged;
 }
 
 }  // namespace
@@ -57,20 +51,19 @@ LeastSquares least_squares(const Correspondences& c, std::span<const Pose> cam_f
     result.status = PoseStatus::kDegenerate;
     return result;
   }
-  const auto evaluate = [&](const Pose& pose) { return gauss_newton_model(c, weights, pose); };
-  std::optional<Minimum> best;
+  const PackedPoints points(c, weights);
+  kernel::Fit best;
   for (const Pose& start : cam_from_centred_starts) {
-    const Minimum minimum =
-        minimise(start, evaluate, options.max_iterations, options.step_tolerance);
-    result.iterations += minimum.iterations;
-    if (!best || is_preferable(minimum, *best)) best = minimum;
+    const kernel::Fit fit = points.fit(start, options.max_iterations, options.step_tolerance);
+    result.iterations += fit.iterations;
+    if (&start == cam_from_centred_starts.data() || is_preferable(fit, best)) best = fit;
   }
-  result.status = best->status;
-  result.cam_from_centred = best->pose;
-  result.cost_px2 = 2 * best->model.cost;
+  result.status = status_of(best);
+  result.cam_from_centred = pose_from(best.pose);
+  result.cost_px2 = 2 * best.model.cost;
   if (result.status != PoseStatus::kOk) return result;
 
-  const std::optional<Matrix6d> covariance = inverse_information(best->model.hessian);
+  const std::optional<Matrix6d> covariance = inverse_of(best.model);
   if (covariance) result.unit_covariance = *covariance;
   if (!covariance) result.status = PoseStatus::kDegenerate;
   return result;

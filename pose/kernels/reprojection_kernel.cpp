@@ -1,0 +1,338 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// With q = R x, (a, b, z) = q + t, (u, v) = (a, b) / z, the residual (u, v) - (u~, v~) has the rows
+//
+//   J_u = (1/z) (-u q_y,         q_z + u q_x,  -q_y,  1, 0, -u)
+//   J_v = (1/z) (-q_z - v q_y,   v q_x,         q_x,  0, 1, -v).
+//
+// Four points go side by side in one vector, and the lanes are added at the very end, four sums at
+// a time. Written for four lanes: two registers of 128 bits, one of 256, or half of 512.
+
+#include "pose/kernels/reprojection_kernel.h"
+
+#include <math.h>
+
+#include "pose/kernels/multiversion.h"
+
+// No vector crosses this file's border, so that the ABI it would have there does not matter.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
+namespace sightline::kernel {
+namespace {
+
+typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
+typedef long long Mask __attribute__((vector_size(kLanes * sizeof(long long))));
+
+constexpr double kEpsilon = 0x1p-52;
+
+inline const Lanes& lanes_of(const double (&values)[kLanes]) {
+  return reinterpret_cast<const Lanes&>(values);
+}
+
+/// (sum a, sum b, sum c, sum d).
+inline Lanes sums(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d) {
+  const Lanes ab = __builtin_shuffle(a, b, Mask{0, 4, 2, 6}) +  //
+                   __builtin_shuffle(a, b, Mask{1, 5, 3, 7});
+  const Lanes cd = __builtin_shuffle(c, d, Mask{0, 4, 2, 6}) +  //
+                   __builtin_shuffle(c, d, Mask{1, 5, 3, 7});
+  return __builtin_shuffle(ab, cd, Mask{0, 1, 4, 5}) + __builtin_shuffle(ab, cd, Mask{2, 3, 6, 7});
+}
+
+inline bool is_any(const Mask& m) {
+  return (m[0] | m[1] | m[2] | m[3]) != 0;
+}
+
+inline bool evaluate(const PointLanes* points, std::size_t count, const RigidPose& pose,
+                     NormalEquations& model) {
+  const double* const r = pose.rotation;
+  const double* const t = pose.translation;
+  const Lanes zero = {};
+  Lanes cost = zero;
+  Lanes g0 = zero, g1 = zero, g2 = zero, g3 = zero, g4 = zero, g5 = zero;
+  Lanes h00 = zero, h01 = zero, h02 = zero, h03 = zero, h04 = zero, h05 = zero;
+  Lanes h11 = zero, h12 = zero, h13 = zero, h14 = zero, h15 = zero;
+  Lanes h22 = zero, h23 = zero, h24 = zero, h25 = zero;
+  Lanes h33 = zero, h34 = zero, h35 = zero, h44 = zero, h45 = zero, h55 = zero;
+  Mask is_behind = {};
+  for (std::size_t i = 0; i < count; ++i) {
+    const PointLanes& p = points[i];
+    const Lanes x = lanes_of(p.x), y = lanes_of(p.y), z = lanes_of(p.z);
+    const Lanes qx = r[0] * x + r[1] * y + r[2] * z;
+    const Lanes qy = r[3] * x + r[4] * y + r[5] * z;
+    const Lanes qz = r[6] * x + r[7] * y + r[8] * z;
+    const Lanes w_uu = lanes_of(p.w_uu), w_uv = lanes_of(p.w_uv), w_vv = lanes_of(p.w_vv);
+    const Lanes depth = w_uu + w_vv > zero ? qz + t[2] : zero + 1.0;
+    is_behind |= ~(depth > zero);  // a NaN counts as behind
+    const Lanes s = 1.0 / depth;
+    const Lanes u = (qx + t[0]) * s;
+    const Lanes v = (qy + t[1]) * s;
+    const Lanes ru = u - lanes_of(p.u);
+    const Lanes rv = v - lanes_of(p.v);
+
+    const Lanes su = s * u, sv = s * v;
+    const Lanes u0 = -su * qy, u1 = s * qz + su * qx, u2 = -s * qy;
+    const Lanes v0 = -s * qz - sv * qy, v1 = sv * qx, v2 = s * qx;
+    // Rows of W J: the pair (a, b) of column k.
+    const Lanes a0 = w_uu * u0 + w_uv * v0, b0 = w_uv * u0 + w_vv * v0;
+    const Lanes a1 = w_uu * u1 + w_uv * v1, b1 = w_uv * u1 + w_vv * v1;
+    const Lanes a2 = w_uu * u2 + w_uv * v2, b2 = w_uv * u2 + w_vv * v2;
+    const Lanes a3 = w_uu * s, b3 = w_uv * s, b4 = w_vv * s;
+    const Lanes a5 = -(w_uu * su + w_uv * sv), b5 = -(w_uv * su + w_vv * sv);
+    h00 += a0 * u0 + b0 * v0;
+    h01 += a0 * u1 + b0 * v1;
+    h02 += a0 * u2 + b0 * v2;
+    h03 += a0 * s;
+    h04 += b0 * s;
+    h05 -= a0 * su + b0 * sv;
+    h11 += a1 * u1 + b1 * v1;
+    h12 += a1 * u2 + b1 * v2;
+    h13 += a1 * s;
+    h14 += b1 * s;
+    h15 -= a1 * su + b1 * sv;
+    h22 += a2 * u2 + b2 * v2;
+    h23 += a2 * s;
+    h24 += b2 * s;
+    h25 -= a2 * su + b2 * sv;
+    h33 += a3 * s;
+    h34 += b3 * s;
+    h35 += a5 * s;
+    h44 += b4 * s;
+    h45 += b5 * s;
+    h55 -= a5 * su + b5 * sv;
+    g0 += a0 * ru + b0 * rv;
+    g1 += a1 * ru + b1 * rv;
+    g2 += a2 * ru + b2 * rv;
+    g3 += a3 * ru + b3 * rv;
+    g4 += b3 * ru + b4 * rv;
+    g5 += a5 * ru + b5 * rv;
+    cost += ru * (w_uu * ru + w_uv * rv) + rv * (w_uv * ru + w_vv * rv);
+  }
+  if (is_any(is_behind)) return false;
+  const Lanes groups[7] = {sums(cost, g0, g1, g2),   sums(g3, g4, g5, h00),
+                           sums(h01, h02, h03, h04), sums(h05, h11, h12, h13),
+                           sums(h14, h15, h22, h23), sums(h24, h25, h33, h34),
+                           sums(h35, h44, h45, h55)};
+  static_assert(sizeof groups == sizeof model);
+  __builtin_memcpy(&model, groups, sizeof model);
+  model.cost *= 0.5;
+  return true;
+}
+
+/// The place of (row, column), row <= column, in an upper triangle stored row by row.
+constexpr int at(int row, int column) {
+  return row * 6 - row * (row - 1) / 2 + column - row;
+}
+
+/// H (1 + damping on the diagonal) = U^T D U with unit upper triangular U. False unless positive
+/// definite.
+struct Factor {
+  double u[21];
+  double inverse_d[6];
+};
+
+inline bool factorise(const double (&hessian)[21], double damping, Factor& f) {
+  double inverse_d[6], u[21];
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i) {
+    double d = hessian[at(i, i)] * (1 + damping);
+#pragma GCC unroll 6
+    for (int k = 0; k < i; ++k) {
+      const double undivided = u[at(k, i)];
+      u[at(k, i)] *= inverse_d[k];
+      d -= undivided * u[at(k, i)];
+    }
+    if (!(d > 0)) return false;
+    inverse_d[i] = 1 / d;
+#pragma GCC unroll 6
+    for (int j = i + 1; j < 6; ++j) {
+      double sum = hessian[at(i, j)];
+      // Row k of column j is still d_k u_kj: it is divided when its own turn comes.
+#pragma GCC unroll 6
+      for (int k = 0; k < i; ++k) sum -= u[at(k, i)] * u[at(k, j)];
+      u[at(i, j)] = sum;
+    }
+  }
+  __builtin_memcpy(f.u, u, sizeof u);
+  __builtin_memcpy(f.inverse_d, inverse_d, sizeof inverse_d);
+  return true;
+}
+
+/// Solves H delta = -gradient.
+inline void solve(const Factor& f, const double (&gradient)[6], double (&delta)[6]) {
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i) {
+    delta[i] = -gradient[i];
+#pragma GCC unroll 6
+    for (int k = 0; k < i; ++k) delta[i] -= f.u[at(k, i)] * delta[k];
+  }
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i) delta[i] *= f.inverse_d[i];
+#pragma GCC unroll 6
+  for (int i = 4; i >= 0; --i) {
+#pragma GCC unroll 6
+    for (int k = i + 1; k < 6; ++k) delta[i] -= f.u[at(i, k)] * delta[k];
+  }
+}
+
+inline double promised_decrease(const NormalEquations& model, const double (&delta)[6]) {
+  double decrease = 0;
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i) {
+    double row = 0.5 * model.hessian[at(i, i)] * delta[i];
+#pragma GCC unroll 6
+    for (int j = i + 1; j < 6; ++j) row += model.hessian[at(i, j)] * delta[j];
+    decrease -= delta[i] * (model.gradient[i] + row);
+  }
+  return decrease;
+}
+
+/// Cayley's turn, by 2 atan(|w| / 2) instead of |w|: equal to second order, and a rotation for
+/// every w.
+inline RigidPose moved(const RigidPose& pose, const double (&delta)[6]) {
+  const double x = 0.5 * delta[0], y = 0.5 * delta[1], z = 0.5 * delta[2];
+  const double k = 2 / (1 + x * x + y * y + z * z);
+  const double turn[9] = {
+      1 - k * (y * y + z * z), k * (x * y - z),         k * (x * z + y),
+      k * (x * y + z),         1 - k * (x * x + z * z), k * (y * z - x),
+      k * (x * z - y),         k * (y * z + x),         1 - k * (x * x + y * y)};
+  RigidPose next;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      next.rotation[3 * i + j] = turn[3 * i] * pose.rotation[j] +
+                                 turn[3 * i + 1] * pose.rotation[3 + j] +
+                                 turn[3 * i + 2] * pose.rotation[6 + j];
+    }
+    next.translation[i] = pose.translation[i] + delta[3 + i];
+  }
+  return next;
+}
+
+inline double squared_norm(const double* v) {
+  return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+}
+
+inline bool is_short(const double (&delta)[6], const RigidPose& pose, double tolerance) {
+  const double tolerance2 = tolerance * tolerance;
+  return squared_norm(delta) < tolerance2 &&
+         squared_norm(delta + 3) < tolerance2 * squared_norm(pose.translation);
+}
+
+inline bool is_in_front(const PointLanes* points, std::size_t count, const RigidPose& pose) {
+  const double* const r = pose.rotation;
+  const Lanes zero = {};
+  Mask is_behind = {};
+  for (std::size_t i = 0; i < count; ++i) {
+    const PointLanes& p = points[i];
+    const Lanes depth =
+        r[6] * lanes_of(p.x) + r[7] * lanes_of(p.y) + r[8] * lanes_of(p.z) + pose.translation[2];
+    is_behind |= ~(depth > zero) & (lanes_of(p.w_uu) + lanes_of(p.w_vv) > zero);
+  }
+  return !is_any(is_behind);
+}
+
+}  // namespace
+
+SIGHTLINE_MULTIVERSION
+bool normal_equations(const PointLanes* lanes, std::size_t count, const RigidPose& pose,
+                      NormalEquations& model) {
+  return evaluate(lanes, count, pose, model);
+}
+
+SIGHTLINE_MULTIVERSION
+Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int max_iterations,
+        double step_tolerance) {
+  constexpr double kInitialDamping = 1e-5;
+  constexpr double kSmallestDamping = 1e-12;
+  constexpr double kDampingFactor = 10;
+  /// Damping that shortens steps noticeably: a short step then does not mean convergence.
+  constexpr double kHeavyDamping = 0.1;
+
+  Fit best = {FitStatus::kStartBehindCamera, 0, start, {}};
+  if (!evaluate(lanes, count, start, best.model)) return best;
+  best.status = FitStatus::kNotConverged;
+  double damping = kInitialDamping;
+  while (best.iterations < max_iterations) {
+    ++best.iterations;
+    Factor factor;
+    if (!factorise(best.model.hessian, damping, factor)) {
+      damping *= kDampingFactor;
+      continue;
+    }
+    double delta[6];
+    solve(factor, best.model.gradient, delta);
+    const bool is_end = is_short(delta, best.pose, step_tolerance) ||
+                        promised_decrease(best.model, delta) < kEpsilon * best.model.cost;
+    const RigidPose candidate = moved(best.pose, delta);
+    if (is_end && damping < kHeavyDamping) {
+      if (is_in_front(lanes, count, candidate)) best.pose = candidate;
+      best.status = FitStatus::kConverged;
+      return best;
+    }
+    NormalEquations model;
+    // Near the minimum costs differ by rounding only: an equal one is as good.
+    const bool is_better = evaluate(lanes, count, candidate, model) &&
+                           model.cost <= best.model.cost * (1 + 8 * kEpsilon);
+    if (is_better) {
+      best.pose = candidate;
+      best.model = model;
+      damping =
+          damping > kSmallestDamping * kDampingFactor ? damping / kDampingFactor : kSmallestDamping;
+      continue;
+    }
+    if (is_end) {
+      best.status = FitStatus::kConverged;
+      return best;
+    }
+    damping *= kDampingFactor;
+  }
+  return best;
+}
+
+SIGHTLINE_MULTIVERSION
+bool invert(const double (&hessian)[21], double (&inverse)[21]) {
+  constexpr double kSmallestPivot = 1e-13;
+  double scale[6];
+  for (int i = 0; i < 6; ++i) {
+    const double d = hessian[at(i, i)];
+    if (!(d > 0) || !(d < INFINITY)) return false;
+    scale[i] = 1 / sqrt(d);
+  }
+  double correlation[21];
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i) {
+#pragma GCC unroll 6
+    for (int j = i; j < 6; ++j) correlation[at(i, j)] = hessian[at(i, j)] * scale[i] * scale[j];
+  }
+  Factor f;
+  if (!factorise(correlation, 0, f)) return false;
+  for (int i = 0; i < 6; ++i) {
+    if (!(f.inverse_d[i] * kSmallestPivot < 1)) return false;
+  }
+  // V = U^-1, then the inverse is V D^-1 V^T.
+  double v[21];
+#pragma GCC unroll 6
+  for (int j = 0; j < 6; ++j) {
+    v[at(j, j)] = 1;
+#pragma GCC unroll 6
+    for (int i = j - 1; i >= 0; --i) {
+      double sum = -f.u[at(i, j)];
+#pragma GCC unroll 6
+      for (int k = i + 1; k < j; ++k) sum -= f.u[at(i, k)] * v[at(k, j)];
+      v[at(i, j)] = sum;
+    }
+  }
+#pragma GCC unroll 6
+  for (int i = 0; i < 6; ++i) {
+#pragma GCC unroll 6
+    for (int j = i; j < 6; ++j) {
+      double sum = 0;
+#pragma GCC unroll 6
+      for (int k = j; k < 6; ++k) sum += v[at(i, k)] * f.inverse_d[k] * v[at(j, k)];
+      inverse[at(i, j)] = sum * scale[i] * scale[j];
+    }
+  }
+  return true;
+}
+
+}  // namespace sightline::kernel

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The inner loop of everything that minimises reprojection errors, on plain arrays (see
+// multiversion.h). pose/reprojection.h is its face; reproject() there is the plain version that the
+// tests hold this one to.
+#pragma once
+
+#include <cstddef>
+
+namespace sightline::kernel {
+
+inline constexpr std::size_t kLanes = 4;
+
+/// Four points side by side. Image coordinates are normalised (x/z, y/z); (w_uu, w_uv, w_vv) is the
+/// symmetric matrix that weighs a residual: r^T W r in squared pixels. A lane whose w_uu and w_vv
+/// are zero is not looked at.
+struct alignas(32) PointLanes {
+  double x[kLanes], y[kLanes], z[kLanes];
+  double u[kLanes], v[kLanes];
+  double w_uu[kLanes], w_uv[kLanes], w_vv[kLanes];
+};
+
+/// x_in_cam = rotation x + translation; the rotation row by row.
+struct RigidPose {
+  double rotation[9];
+  double translation[3];
+};
+
+/// Half the weighed sum of squares and its Gauss-Newton model in delta = (w, dt), where the pose is
+/// (Exp(w) R, t + dt). The Hessian's upper triangle row by row.
+struct NormalEquations {
+  double cost;
+  double gradient[6];
+  double hessian[21];
+};
+
+/// False when a point that counts is at or behind the camera's plane.
+bool normal_equations(const PointLanes* lanes, std::size_t count, const RigidPose& pose,
+                      NormalEquations& model);
+
+enum class FitStatus { kConverged, kStartBehindCamera, kNotConverged };
+
+struct Fit {
+  FitStatus status;
+  int iterations;
+  RigidPose pose;
+  NormalEquations model;  ///< one step, shorter than the tolerance, before `pose`
+};
+
+/// Marquardt's method from one start. Converged when a step that damping hardly shortens turns by
+/// less than `step_tolerance` radians and moves by less than that part of the range, or promises
+/// less than rounding; that step is still taken, and not looked at again.
+Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int max_iterations,
+        double step_tolerance);
+
+/// The inverse of a symmetric positive definite 6x6 matrix, upper triangles row by row. False
+/// when a pivot, with the diagonal scaled to ones, is below 1e-13: rounding in the sums leaves
+/// about 1e-15.
+bool invert(const double (&hessian)[21], double (&inverse)[21]);
+
+}  // namespace sightline::kernel
