@@ -244,15 +244,19 @@ PackedPoints::PackedPoints(const Correspondences& c, std::span<const Eigen::Matr
 }
 
 kernel::Fit PackedPoints::fit(const Pose& start, int max_iterations, double step_tolerance) const {
-  kernel::RigidPose pose;
-  Eigen::Map<RowMajor3d>(pose.rotation) = start.rotation;
-  Eigen::Map<Eigen::Vector3d>(pose.translation) = start.translation;
-  return kernel::fit(data(), count_, pose, max_iterations, step_tolerance);
+  return kernel::fit(data(), count_, rigid_from(start), max_iterations, step_tolerance);
 }
 
 Pose pose_from(const kernel::RigidPose& pose) {
   return {Eigen::Map<const RowMajor3d>(pose.rotation),
           Eigen::Map<const Eigen::Vector3d>(pose.translation)};
+}
+
+kernel::RigidPose rigid_from(const Pose& pose) {
+  kernel::RigidPose rigid;
+  Eigen::Map<RowMajor3d>(rigid.rotation) = pose.rotation;
+  Eigen::Map<Eigen::Vector3d>(rigid.translation) = pose.translation;
+  return rigid;
 }
 
 std::optional<Matrix6d> inverse_of(const kernel::NormalEquations& model) {

@@ -193,6 +193,8 @@ class PackedPoints {
   /// Marquardt's method from one start (kernel::fit).
   kernel::Fit fit(const Pose& start, int max_iterations, double step_tolerance) const;
 
+  std::span<const kernel::PointLanes> lanes() const { return {data(), count_}; }
+
  private:
   static constexpr std::size_t kInline = 4;
 
@@ -206,6 +208,7 @@ class PackedPoints {
 };
 
 Pose pose_from(const kernel::RigidPose& pose);
+kernel::RigidPose rigid_from(const Pose& pose);
 
 /// The inverse of a fit's Hessian, as inverse_information.
 std::optional<Matrix6d> inverse_of(const kernel::NormalEquations& model);

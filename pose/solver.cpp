@@ -14,6 +14,8 @@ constexpr std::array kCatalogue = {
     PoseSolver{"lspe", "least squares on all points", kMinimumPosePoints, false, solve_lspe},
     PoseSolver{"orpe", "minimax with removal of outliers, as the paper prints it",
                kMinimumPosePoints, false, solve_orpe},
+    PoseSolver{"orpe_weighed", "every small set of removals, weighed by likelihood",
+               kMinimumPosePoints, false, solve_orpe_weighed},
     PoseSolver{"oracle", "least squares on the true inliers", kMinimumPosePoints, true,
                solve_oracle},
 };

@@ -54,8 +54,10 @@ struct PoseEstimate {
 
   // From solvers that weigh hypotheses (orpe_weighed); others leave them as they are.
   Pose most_probable_cam_from_target;  ///< with exactly `removed` removed
-  double removed_probability = 1;      ///< of exactly `removed` being the outliers
-  bool is_ambiguous = false;           ///< another pose explains the pixels nearly as well
+  /// Of (w, dt): what the noise leaves, its size as stated or found, and the scatter of hypotheses.
+  Matrix6d covariance = Matrix6d::Zero();
+  double removed_probability = 1;  ///< of exactly `removed` being the outliers
+  bool is_ambiguous = false;       ///< another pose explains the pixels nearly as well
   bool is_removal_limit_reached = false;
   bool is_test_failed = false;  ///< what is kept does not look like noise of the stated size
 };

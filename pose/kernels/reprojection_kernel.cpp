@@ -1,34 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// With q = R x, (a, b, z) = q + t, (u, v) = (a, b) / z, the residual (u, v) - (u~, v~) has the rows
-//
-//   J_u = (1/z) (-u q_y,         q_z + u q_x,  -q_y,  1, 0, -u)
-//   J_v = (1/z) (-q_z - v q_y,   v q_x,         q_x,  0, 1, -v).
-//
-// Four points go side by side in one vector, and the lanes are added at the very end, four sums at
-// a time. Written for four lanes: two registers of 128 bits, one of 256, or half of 512.
+// Four points go side by side (lanes.h), and the lanes are added at the very end, four sums at a
+// time.
 
 #include "pose/kernels/reprojection_kernel.h"
 
 #include <math.h>
 
+#include "pose/kernels/factor.h"
+#include "pose/kernels/lanes.h"
 #include "pose/kernels/multiversion.h"
-
-// No vector crosses this file's border, so that the ABI it would have there does not matter.
-#pragma GCC diagnostic ignored "-Wpsabi"
 
 namespace sightline::kernel {
 namespace {
 
-typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
-typedef long long Mask __attribute__((vector_size(kLanes * sizeof(long long))));
-
 constexpr double kEpsilon = 0x1p-52;
-
-inline const Lanes& lanes_of(const double (&values)[kLanes]) {
-  return reinterpret_cast<const Lanes&>(values);
-}
 
 /// (sum a, sum b, sum c, sum d).
 inline Lanes sums(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d) {
@@ -45,8 +32,6 @@ inline bool is_any(const Mask& m) {
 
 inline bool evaluate(const PointLanes* points, std::size_t count, const RigidPose& pose,
                      NormalEquations& model) {
-  const double* const r = pose.rotation;
-  const double* const t = pose.translation;
   const Lanes zero = {};
   Lanes cost = zero;
   Lanes g0 = zero, g1 = zero, g2 = zero, g3 = zero, g4 = zero, g5 = zero;
@@ -57,22 +42,12 @@ inline bool evaluate(const PointLanes* points, std::size_t count, const RigidPos
   Mask is_behind = {};
   for (std::size_t i = 0; i < count; ++i) {
     const PointLanes& p = points[i];
-    const Lanes x = lanes_of(p.x), y = lanes_of(p.y), z = lanes_of(p.z);
-    const Lanes qx = r[0] * x + r[1] * y + r[2] * z;
-    const Lanes qy = r[3] * x + r[4] * y + r[5] * z;
-    const Lanes qz = r[6] * x + r[7] * y + r[8] * z;
     const Lanes w_uu = lanes_of(p.w_uu), w_uv = lanes_of(p.w_uv), w_vv = lanes_of(p.w_vv);
-    const Lanes depth = w_uu + w_vv > zero ? qz + t[2] : zero + 1.0;
-    is_behind |= ~(depth > zero);  // a NaN counts as behind
-    const Lanes s = 1.0 / depth;
-    const Lanes u = (qx + t[0]) * s;
-    const Lanes v = (qy + t[1]) * s;
-    const Lanes ru = u - lanes_of(p.u);
-    const Lanes rv = v - lanes_of(p.v);
+    const ReprojectedLanes e = reproject(p, pose);
+    is_behind |= e.is_behind;
+    const Lanes ru = e.ru, rv = e.rv, s = e.s, su = e.su, sv = e.sv;
+    const Lanes u0 = e.u0, u1 = e.u1, u2 = e.u2, v0 = e.v0, v1 = e.v1, v2 = e.v2;
 
-    const Lanes su = s * u, sv = s * v;
-    const Lanes u0 = -su * qy, u1 = s * qz + su * qx, u2 = -s * qy;
-    const Lanes v0 = -s * qz - sv * qy, v1 = sv * qx, v2 = s * qx;
     // Rows of W J: the pair (a, b) of column k.
     const Lanes a0 = w_uu * u0 + w_uv * v0, b0 = w_uv * u0 + w_vv * v0;
     const Lanes a1 = w_uu * u1 + w_uv * v1, b1 = w_uv * u1 + w_vv * v1;
@@ -117,62 +92,6 @@ inline bool evaluate(const PointLanes* points, std::size_t count, const RigidPos
   __builtin_memcpy(&model, groups, sizeof model);
   model.cost *= 0.5;
   return true;
-}
-
-/// The place of (row, column), row <= column, in an upper triangle stored row by row.
-constexpr int at(int row, int column) {
-  return row * 6 - row * (row - 1) / 2 + column - row;
-}
-
-/// H (1 + damping on the diagonal) = U^T D U with unit upper triangular U. False unless positive
-/// definite.
-struct Factor {
-  double u[21];
-  double inverse_d[6];
-};
-
-inline bool factorise(const double (&hessian)[21], double damping, Factor& f) {
-  double inverse_d[6], u[21];
-#pragma GCC unroll 6
-  for (int i = 0; i < 6; ++i) {
-    double d = hessian[at(i, i)] * (1 + damping);
-#pragma GCC unroll 6
-    for (int k = 0; k < i; ++k) {
-      const double undivided = u[at(k, i)];
-      u[at(k, i)] *= inverse_d[k];
-      d -= undivided * u[at(k, i)];
-    }
-    if (!(d > 0)) return false;
-    inverse_d[i] = 1 / d;
-#pragma GCC unroll 6
-    for (int j = i + 1; j < 6; ++j) {
-      double sum = hessian[at(i, j)];
-      // Row k of column j is still d_k u_kj: it is divided when its own turn comes.
-#pragma GCC unroll 6
-      for (int k = 0; k < i; ++k) sum -= u[at(k, i)] * u[at(k, j)];
-      u[at(i, j)] = sum;
-    }
-  }
-  __builtin_memcpy(f.u, u, sizeof u);
-  __builtin_memcpy(f.inverse_d, inverse_d, sizeof inverse_d);
-  return true;
-}
-
-/// Solves H delta = -gradient.
-inline void solve(const Factor& f, const double (&gradient)[6], double (&delta)[6]) {
-#pragma GCC unroll 6
-  for (int i = 0; i < 6; ++i) {
-    delta[i] = -gradient[i];
-#pragma GCC unroll 6
-    for (int k = 0; k < i; ++k) delta[i] -= f.u[at(k, i)] * delta[k];
-  }
-#pragma GCC unroll 6
-  for (int i = 0; i < 6; ++i) delta[i] *= f.inverse_d[i];
-#pragma GCC unroll 6
-  for (int i = 4; i >= 0; --i) {
-#pragma GCC unroll 6
-    for (int k = i + 1; k < 6; ++k) delta[i] -= f.u[at(i, k)] * delta[k];
-  }
 }
 
 inline double promised_decrease(const NormalEquations& model, const double (&delta)[6]) {
@@ -333,6 +252,12 @@ bool invert(const double (&hessian)[21], double (&inverse)[21]) {
     }
   }
   return true;
+}
+
+double log_determinant(const double (&hessian)[21]) {
+  Factor f;
+  if (!factorise(hessian, 0, f)) return NAN;
+  return log_determinant(f);
 }
 
 }  // namespace sightline::kernel

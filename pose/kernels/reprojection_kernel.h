@@ -59,4 +59,7 @@ Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int 
 /// about 1e-15.
 bool invert(const double (&hessian)[21], double (&inverse)[21]);
 
+/// ln det of a symmetric positive definite 6x6 matrix, upper triangle row by row; NaN otherwise.
+double log_determinant(const double (&hessian)[21]);
+
 }  // namespace sightline::kernel

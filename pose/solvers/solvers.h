@@ -12,5 +12,6 @@ namespace sightline {
 PoseEstimate solve_lspe(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_oracle(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_orpe_weighed(const PoseProblem& problem, const SolverOptions& options);
 
 }  // namespace sightline
