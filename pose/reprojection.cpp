@@ -247,6 +247,14 @@ kernel::Fit PackedPoints::fit(const Pose& start, int max_iterations, double step
   return kernel::fit(data(), count_, rigid_from(start), max_iterations, step_tolerance);
 }
 
+void PackedPoints::scale_weight(std::size_t point, double factor) {
+  kernel::PointLanes& p = data()[point / kernel::kLanes];
+  const std::size_t lane = point % kernel::kLanes;
+  p.w_uu[lane] *= factor;
+  p.w_uv[lane] *= factor;
+  p.w_vv[lane] *= factor;
+}
+
 Pose pose_from(const kernel::RigidPose& pose) {
   return {Eigen::Map<const RowMajor3d>(pose.rotation),
           Eigen::Map<const Eigen::Vector3d>(pose.translation)};

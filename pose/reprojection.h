@@ -193,6 +193,8 @@ class PackedPoints {
   /// Marquardt's method from one start (kernel::fit).
   kernel::Fit fit(const Pose& start, int max_iterations, double step_tolerance) const;
 
+  void scale_weight(std::size_t point, double factor);
+
   std::span<const kernel::PointLanes> lanes() const { return {data(), count_}; }
 
  private:

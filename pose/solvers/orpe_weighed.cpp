@@ -80,12 +80,17 @@ constexpr int kMaxIterations = 50;
 
 // What does not depend on the pose
 
+struct PointPrior {
+  Eigen::Matrix2d information;  ///< inverse covariance of an inlier; unit where not known
+  double gamma = 0;             ///< noise over slab, squared
+  double log_odds = 0;          ///< of being an outlier, with the slab's height
+};
+
 struct Setting {
   const Correspondences* c = nullptr;
   bool is_sigma_known = false;
-  std::vector<Eigen::Matrix2d> information;  ///< inverse covariances of inliers; unit if unknown
-  std::vector<double> gamma;                 ///< noise over slab, squared
-  std::vector<double> log_odds;              ///< of being an outlier, with the slab's height
+  std::vector<PointPrior> points;
+  std::vector<double> gamma;  ///< of the points, as the sweep takes them
   int max_removed = 0;
 
   int n() const { return static_cast<int>(c->size()); }
@@ -101,6 +106,20 @@ int removal_limit(int n, const OutlierOptions& options) {
   return limit;
 }
 
+/// None unless the covariance is positive definite.
+std::optional<PointPrior> prior_of(const Eigen::Matrix2d& covariance_px2, bool is_sigma_known,
+                                   const OutlierOptions& options) {
+  const double det = covariance_px2.determinant();
+  if (!(covariance_px2(0, 0) > 0 && det > 0 && std::isfinite(det))) return std::nullopt;
+  const double odds = options.probability / (1 - options.probability);
+  const double slab_px2 = options.scale_px * options.scale_px;
+  PointPrior prior;
+  prior.information = covariance_px2.inverse();
+  prior.gamma = is_sigma_known ? std::sqrt(det) / slab_px2 : kUnknownGamma;
+  prior.log_odds = std::log(odds * (is_sigma_known ? prior.gamma : 1 / slab_px2));
+  return prior;
+}
+
 /// None where a covariance is not positive definite or one is missing.
 std::optional<Setting> setting_of(const PoseProblem& problem, const Correspondences& c,
                                   const OutlierOptions& options) {
@@ -110,19 +129,29 @@ std::optional<Setting> setting_of(const PoseProblem& problem, const Corresponden
   s.c = &c;
   s.is_sigma_known = has_covariances || problem.sigma_px > 0;
   s.max_removed = removal_limit(s.n(), options);
-  const double odds = options.probability / (1 - options.probability);
-  const double slab_px2 = options.scale_px * options.scale_px;
-  const double sigma_px = problem.sigma_px > 0 ? problem.sigma_px : 1;
-  const Eigen::Matrix2d common = sigma_px * sigma_px * Eigen::Matrix2d::Identity();
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const Eigen::Matrix2d& covariance = has_covariances ? problem.covariances_px2[i] : common;
-    const double det = covariance.determinant();
-    if (!(covariance(0, 0) > 0 && det > 0 && std::isfinite(det))) return std::nullopt;
-    s.information.push_back(covariance.inverse());
-    s.gamma.push_back(s.is_sigma_known ? std::sqrt(det) / slab_px2 : kUnknownGamma);
-    s.log_odds.push_back(std::log(odds * (s.is_sigma_known ? s.gamma.back() : 1 / slab_px2)));
+  if (has_covariances) {
+    s.points.reserve(c.size());
+    for (const Eigen::Matrix2d& covariance : problem.covariances_px2) {
+      const auto prior = prior_of(covariance, true, options);
+      if (!prior) return std::nullopt;
+      s.points.push_back(*prior);
+    }
+  } else {
+    const double sigma_px = problem.sigma_px > 0 ? problem.sigma_px : 1;
+    const auto prior =
+        prior_of(sigma_px * sigma_px * Eigen::Matrix2d::Identity(), s.is_sigma_known, options);
+    if (!prior) return std::nullopt;
+    s.points.assign(c.size(), *prior);
   }
+  for (const PointPrior& prior : s.points) s.gamma.push_back(prior.gamma);
   return s;
+}
+
+PackedPoints packed(const Setting& s) {
+  std::vector<Eigen::Matrix2d> weights;
+  weights.reserve(s.points.size());
+  for (const PointPrior& prior : s.points) weights.push_back(prior.information);
+  return PackedPoints(*s.c, weights);
 }
 
 // Sets of points
@@ -155,75 +184,96 @@ struct WeighedSet {
   double rss = 0;  ///< of the kept points, whitened
 };
 
-/// ln weight, its part that all sets of a start have in common included: what -(RSS - Q) / 2 or the
-/// unknown noise's integral, and the pose's volume, leave of the likelihood.
-double log_weight(const Setting& s, const RemovalSet& set, double rss, double det, double log_det) {
-  double sum = -0.5 * (std::log(det) + log_det);
-  for (const int i : set.span()) sum += s.log_odds[i];
-  if (s.is_sigma_known) return sum - 0.5 * rss;
-  const double nu = s.degrees(set.size) + kPriorDegrees;
-  const double scale = rss + kPriorDegrees * kPriorSigmaPx * kPriorSigmaPx;
-  return sum + std::lgamma(0.5 * nu) - 0.5 * nu * std::log(0.5 * scale);
+/// ln of the integral over the noise of what sets of one size leave; what depends on the size alone
+/// is computed once.
+struct SizeWeight {
+  double constant = 0;
+  double half_nu = 0;
+};
+
+std::array<SizeWeight, kMaxRemoved + 1> size_weights(const Setting& s, int max_size) {
+  std::array<SizeWeight, kMaxRemoved + 1> weights;
+  if (s.is_sigma_known) return weights;
+  for (int size = 0; size <= max_size; ++size) {
+    weights[size].half_nu = 0.5 * (s.degrees(size) + kPriorDegrees);
+    weights[size].constant = std::lgamma(weights[size].half_nu);
+  }
+  return weights;
 }
 
 // The linear model
 
+/// A problem linearised at a pose, with the room that the work on it needs.
 struct Linear {
   Pose pose;
   kernel::LinearModel model;
+  std::size_t stride = 0;
   std::vector<double> basis;
   std::vector<double> residuals;
+  std::vector<double> sweep;  ///< q and det of every set, and the sweep's workspace
+  std::vector<WeighedSet> sets;
 
-  double basis_at(int k, int half, int i) const { return basis[(6 * half + k) * stride() + i]; }
-  double residual_at(int half, int i) const { return residuals[half * stride() + i]; }
-  std::size_t stride() const { return residuals.size() / 2; }
+  double basis_at(int k, int half, int i) const { return basis[(6 * half + k) * stride + i]; }
+  double residual_at(int half, int i) const { return residuals[half * stride + i]; }
 };
 
-std::optional<Linear> linearise(const PackedPoints& points, const Pose& pose) {
-  Linear linear;
+bool linearise(const PackedPoints& points, const Pose& pose, Linear& linear) {
   linear.pose = pose;
-  const std::size_t stride = points.lanes().size() * kernel::kLanes;
-  linear.basis.resize(12 * stride);
-  linear.residuals.resize(2 * stride);
-  if (!kernel::linearise(points.lanes().data(), points.lanes().size(), rigid_from(pose),
-                         linear.basis.data(), linear.residuals.data(), linear.model)) {
-    return std::nullopt;
-  }
-  return linear;
+  linear.stride = points.lanes().size() * kernel::kLanes;
+  linear.basis.resize(12 * linear.stride);
+  linear.residuals.resize(2 * linear.stride);
+  return kernel::linearise(points.lanes().data(), points.lanes().size(), rigid_from(pose),
+                           linear.basis.data(), linear.residuals.data(), linear.model);
 }
 
-/// All sets of up to `max_size` points, the empty one first.
-std::vector<WeighedSet> weigh_sets(const Setting& s, const Linear& linear, int max_size) {
+/// q of every set of up to `max_size` points, then det of each; both begin with the empty set.
+std::span<const double> sweep(const Setting& s, int max_size, Linear& linear) {
   const std::size_t n = s.c->size();
-  const std::size_t count = kernel::set_count(n, max_size);
-  std::vector<double> numbers(2 * count + kernel::sweep_workspace(n, max_size));
-  double* const q = numbers.data();
+  const std::size_t count = kernel::set_count(n, max_size) + 1;
+  linear.sweep.resize(2 * count + kernel::sweep_workspace(n, max_size));
+  double* const q = linear.sweep.data();
   double* const det = q + count;
+  q[0] = 0;
+  det[0] = 1;
   if (max_size > 0) {
     kernel::sweep_sets(n, linear.basis.data(), linear.residuals.data(), s.gamma.data(), max_size,
-                       det + count, q, det);
+                       det + count, q + 1, det + 1);
   }
-  const double rss = linear.model.rss, log_det = linear.model.log_det;
-  std::vector<WeighedSet> sets;
-  sets.reserve(count + 1);
-  sets.push_back({{}, log_weight(s, {}, rss, 1, log_det), rss});
-  for (std::size_t i = 0; i < count; ++i) {
-    const RemovalSet set = next_set(sets.back().set, s.n(), max_size);
-    const double rest = std::max(rss - q[i], 0.0);
-    sets.push_back({set, log_weight(s, set, rest, det[i], log_det), rest});
-  }
-  return sets;
+  return {q, 2 * count};
 }
 
-/// Sets of as few points as leave what looks like noise, or of all sizes allowed.
-std::vector<WeighedSet> sets_that_explain(const Setting& s, const Linear& linear) {
-  if (!s.is_sigma_known) return weigh_sets(s, linear, s.max_removed);
-  for (int k = 0;; ++k) {
-    std::vector<WeighedSet> sets = weigh_sets(s, linear, k);
-    if (k == s.max_removed) return sets;
-    const double enough = kNoiseLike * s.degrees(k);
-    for (const WeighedSet& w : sets) {
-      if (w.rss <= enough) return sets;
+/// Weighs all sets of up to `max_size` points, the empty one first, from what sweep() gave. What
+/// all sets of a start have in common is included, so that weights of different starts compare.
+void weigh_sets(const Setting& s, int max_size, std::span<const double> q_then_det,
+                Linear& linear) {
+  const std::size_t count = q_then_det.size() / 2;
+  const auto by_size = size_weights(s, max_size);
+  const double prior_sum = kPriorDegrees * kPriorSigmaPx * kPriorSigmaPx;
+  linear.sets.resize(count);
+  RemovalSet set;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i > 0) set = next_set(set, s.n(), max_size);
+    WeighedSet& w = linear.sets[i];
+    w.set = set;
+    w.rss = std::max(linear.model.rss - q_then_det[i], 0.0);
+    w.log_weight = -0.5 * (std::log(q_then_det[count + i]) + linear.model.log_det);
+    for (const int point : set.span()) w.log_weight += s.points[point].log_odds;
+    const SizeWeight& of_size = by_size[set.size];
+    w.log_weight += s.is_sigma_known
+                        ? -0.5 * w.rss
+                        : of_size.constant - of_size.half_nu * std::log(0.5 * (w.rss + prior_sum));
+  }
+}
+
+/// Weighs the sets of as few points as it takes for one of them to leave what looks like noise.
+void explain(const Setting& s, Linear& linear) {
+  for (int k = s.is_sigma_known ? 0 : s.max_removed;; ++k) {
+    const std::span<const double> numbers = sweep(s, k, linear);
+    const double largest_q = std::ranges::max(numbers.first(numbers.size() / 2));
+    const bool is_enough = linear.model.rss - largest_q <= kNoiseLike * s.degrees(k);
+    if (is_enough || k >= s.max_removed) {
+      weigh_sets(s, k, numbers, linear);
+      return;
     }
   }
 }
@@ -234,49 +284,71 @@ const WeighedSet& heaviest(const std::vector<WeighedSet>& sets) {
   });
 }
 
-/// What stands on the diagonal for the points of a set, and the step to its pose.
+/// A symmetric system of a few unknowns, solved in place. Positive definite by what is added to its
+/// diagonal.
+struct SmallSystem {
+  static constexpr int kMax = 2 * kMaxRemoved;
+
+  int size = 0;
+  std::array<std::array<double, kMax>, kMax> m;  ///< lower triangle
+  std::array<double, kMax> r;
+
+  /// The solution with slab[i / 2] added to the diagonal (Cholesky).
+  std::array<double, kMax> solved(const std::array<double, kMaxRemoved>& slab) const {
+    std::array<std::array<double, kMax>, kMax> l;
+    std::array<double, kMax> x;
+    for (int i = 0; i < size; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        double sum = m[i][j] + (i == j ? slab[i / 2] : 0.0);
+        for (int k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
+        l[i][j] = i == j ? std::sqrt(sum) : sum / l[j][j];
+      }
+      double sum = r[i];
+      for (int k = 0; k < i; ++k) sum -= l[i][k] * x[k];
+      x[i] = sum / l[i][i];
+    }
+    for (int i = size - 1; i >= 0; --i) {
+      for (int k = i + 1; k < size; ++k) x[i] -= l[k][i] * x[k];
+      x[i] /= l[i][i];
+    }
+    return x;
+  }
+};
+
+/// What stands on the diagonal for the points of a set (Gamma: noise over slab, squared, of
+/// Student's law), and the step to its pose.
 struct SetStep {
-  std::array<double, kMaxRemoved> slab;  ///< Gamma: noise over slab, squared, of Student's law
+  std::array<double, kMaxRemoved> slab;
   Vector6d delta;
 };
 
-/// z = (M_SS + slab)^-1 r_S, two numbers a point: the errors of the removed points.
-using SetErrors = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 2 * kMaxRemoved, 1>;
-using SetMatrix =
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2 * kMaxRemoved, 2 * kMaxRemoved>;
-
 SetStep step_of(const Setting& s, const Linear& linear, const RemovalSet& set) {
-  const int size = set.size;
   SetStep step;
   step.delta = Eigen::Map<const Vector6d>(linear.model.step);
-  if (size == 0) return step;
-  SetMatrix m(2 * size, 2 * size);
-  SetErrors r(2 * size);
-  for (int a = 0; a < 2 * size; ++a) {
-    r[a] = linear.residual_at(a % 2, set.points[a / 2]);
+  if (set.size == 0) return step;
+  SmallSystem system;
+  system.size = 2 * set.size;
+  for (int a = 0; a < system.size; ++a) {
+    system.r[a] = linear.residual_at(a % 2, set.points[a / 2]);
     for (int b = 0; b <= a; ++b) {
       double dot = a == b;
       for (int k = 0; k < 6; ++k) {
         dot -= linear.basis_at(k, a % 2, set.points[a / 2]) *
                linear.basis_at(k, b % 2, set.points[b / 2]);
       }
-      m(a, b) = m(b, a) = dot;
+      system.m[a][b] = dot;
     }
   }
-  const auto errors = [&](const auto& slab) -> SetErrors {
-    SetMatrix with_slab = m;
-    for (int a = 0; a < 2 * size; ++a) with_slab(a, a) += slab(a / 2);
-    return with_slab.llt().solve(r);
-  };
-  const SetErrors first = errors([&](int i) { return s.gamma[set.points[i]]; });
-  for (int i = 0; i < size; ++i) {
-    const double e2 = first.segment<2>(2 * i).squaredNorm();
+  for (int i = 0; i < set.size; ++i) step.slab[i] = s.gamma[set.points[i]];
+  const auto errors = system.solved(step.slab);  // of the removed points
+  for (int i = 0; i < set.size; ++i) {
+    const double e2 = errors[2 * i] * errors[2 * i] + errors[2 * i + 1] * errors[2 * i + 1];
     step.slab[i] = 4 / (2 / s.gamma[set.points[i]] + e2);
   }
-  const SetErrors z = errors([&](int i) { return step.slab[i]; });
+  const auto z = system.solved(step.slab);
   double along[6] = {};
   for (int k = 0; k < 6; ++k) {
-    for (int a = 0; a < 2 * size; ++a) {
+    for (int a = 0; a < system.size; ++a) {
       along[k] += linear.basis_at(k, a % 2, set.points[a / 2]) * z[a];
     }
   }
@@ -296,54 +368,57 @@ double turn_rad(const Vector6d& delta) {
 struct Hypothesis {
   RemovalSet set;
   Pose pose;
-  Matrix6d covariance;
+  kernel::NormalEquations model;  ///< whitened, removed points at the slab's weight
   double log_weight = 0;
   double rss = 0;  ///< of the kept points, whitened
 };
 
-/// Least squares with the removed points at the slab's weight. None where that fails.
-std::optional<Hypothesis> fitted(const Setting& s, const Linear& linear, const RemovalSet& set,
-                                 int& iterations) {
-  const SetStep step = step_of(s, linear, set);
-  std::vector<Eigen::Matrix2d> weights = s.information;
-  for (int i = 0; i < set.size; ++i) {
-    weights[set.points[i]] *= step.slab[i] / (1 + step.slab[i]);
-  }
-  const PackedPoints points(*s.c, weights);
-  kernel::Fit fit = points.fit(retract(linear.pose, step.delta), kMaxIterations, kFineStep);
-  iterations += fit.iterations;
-  if (fit.status == kernel::FitStatus::kStartBehindCamera) {
-    fit = points.fit(linear.pose, kMaxIterations, kFineStep);
-    iterations += fit.iterations;
-  }
-  if (fit.status != kernel::FitStatus::kConverged) return std::nullopt;
-  const std::optional<Matrix6d> covariance = inverse_of(fit.model);
-  if (!covariance) return std::nullopt;
+/// None where the points kept do not determine a pose.
+std::optional<Hypothesis> with_finite_weight(Hypothesis h) {
+  h.log_weight -= 0.5 * (h.rss + kernel::log_determinant(h.model.hessian));
+  return std::isfinite(h.log_weight) ? std::optional(h) : std::nullopt;
+}
 
-  Hypothesis h = {set, pose_from(fit.pose), *covariance, 0, 0};
-  std::size_t next = 0;
-  const std::span<const unsigned short> removed = set.span();
-  for (std::size_t i = 0; i < s.c->size(); ++i) {
-    const std::optional<Eigen::Vector2d> r = residual_px(*s.c, i, h.pose);
-    if (!r) return std::nullopt;
-    const double f = r->dot(s.information[i] * *r);
-    if (next < removed.size() && removed[next] == i) {
-      h.log_weight += s.log_odds[i] - 2 * std::log1p(0.5 * f * s.gamma[i]);
-      ++next;
-    } else {
-      h.rss += f;
-    }
+/// Least squares on all points.
+std::optional<Hypothesis> fitted(const PackedPoints& points, const Pose& start, int& iterations) {
+  const kernel::Fit fit = points.fit(start, kMaxIterations, kFineStep);
+  iterations += fit.iterations;
+  if (fit.status != kernel::FitStatus::kConverged) return std::nullopt;
+  return with_finite_weight({{}, pose_from(fit.pose), fit.model, 0, 2 * fit.model.cost});
+}
+
+/// Least squares with the removed points at the slab's weight. None where that fails.
+std::optional<Hypothesis> fitted(const Setting& s, const PackedPoints& points, const Linear& linear,
+                                 const RemovalSet& set, int& iterations) {
+  const SetStep step = step_of(s, linear, set);
+  std::array<double, kMaxRemoved> weight;
+  PackedPoints weighed = points;
+  for (int i = 0; i < set.size; ++i) {
+    weight[i] = step.slab[i] / (1 + step.slab[i]);
+    weighed.scale_weight(set.points[i], weight[i]);
   }
-  h.log_weight -= 0.5 * h.rss + 0.5 * kernel::log_determinant(fit.model.hessian);
+  std::optional<Hypothesis> h = fitted(weighed, retract(linear.pose, step.delta), iterations);
+  if (!h) h = fitted(weighed, linear.pose, iterations);
+  if (!h) return std::nullopt;
+  h->set = set;
+  for (int i = 0; i < set.size; ++i) {
+    const PointPrior& prior = s.points[set.points[i]];
+    const std::optional<Eigen::Vector2d> r = residual_px(*s.c, set.points[i], h->pose);
+    if (!r) return std::nullopt;
+    const double f = r->dot(prior.information * *r);
+    h->rss -= weight[i] * f;
+    h->log_weight += 0.5 * weight[i] * f;
+    h->log_weight += prior.log_odds - 2 * std::log1p(0.5 * f * prior.gamma);
+  }
   return h;
 }
 
-std::vector<Hypothesis> fit_all(const Setting& s, const Linear& linear,
+std::vector<Hypothesis> fit_all(const Setting& s, const PackedPoints& points, const Linear& linear,
                                 std::span<const RemovalSet> sets, int& iterations) {
   std::vector<Hypothesis> hypotheses;
   for (const RemovalSet& set : sets) {
-    std::optional<Hypothesis> h = fitted(s, linear, set, iterations);
-    if (h) hypotheses.push_back(std::move(*h));
+    const std::optional<Hypothesis> h = fitted(s, points, linear, set, iterations);
+    if (h) hypotheses.push_back(*h);
   }
   return hypotheses;
 }
@@ -355,17 +430,19 @@ const Hypothesis& best_of(const std::vector<Hypothesis>& hypotheses) {
 }
 
 /// The heaviest sets, at most `count`, none below `least` of the heaviest.
-std::vector<RemovalSet> heaviest_sets(std::vector<WeighedSet> sets, std::size_t count,
+std::vector<RemovalSet> heaviest_sets(const std::vector<WeighedSet>& sets, std::size_t count,
                                       double least) {
   const double least_log = heaviest(sets).log_weight + std::log(least);
-  std::erase_if(sets, [=](const WeighedSet& w) { return !(w.log_weight >= least_log); });
-  std::stable_sort(sets.begin(), sets.end(), [](const WeighedSet& a, const WeighedSet& b) {
-    return a.log_weight > b.log_weight;
-  });
-  std::vector<RemovalSet> chosen;
+  std::vector<const WeighedSet*> heavy;
   for (const WeighedSet& w : sets) {
-    if (chosen.size() < count) chosen.push_back(w.set);
+    if (w.log_weight >= least_log) heavy.push_back(&w);
   }
+  std::stable_sort(heavy.begin(), heavy.end(), [](const WeighedSet* a, const WeighedSet* b) {
+    return a->log_weight > b->log_weight;
+  });
+  heavy.resize(std::min(heavy.size(), count));
+  std::vector<RemovalSet> chosen;
+  for (const WeighedSet* w : heavy) chosen.push_back(w->set);
   return chosen;
 }
 
@@ -426,42 +503,35 @@ struct Branch {
   int iterations = 0;
 };
 
-/// The linear model where it can be trusted: it moves to the pose of the heaviest set as long as
-/// that is far.
-struct Settled {
-  Linear linear;
-  std::vector<WeighedSet> sets;
-};
-
-std::optional<Settled> settle(const Setting& s, const PackedPoints& points, const Pose& start,
-                              int& iterations) {
-  std::optional<Linear> linear = linearise(points, start);
-  if (!linear) return std::nullopt;
-  Settled settled = {std::move(*linear), {}};
-  settled.sets = sets_that_explain(s, settled.linear);
+/// The linear model where it can be trusted, its sets weighed: it moves to the pose of the heaviest
+/// set as long as that is far. False when it cannot be built at the start.
+bool settle(const Setting& s, const PackedPoints& points, const Pose& start, Linear& linear,
+            int& iterations) {
+  if (!linearise(points, start, linear)) return false;
+  explain(s, linear);
   for (int move = 0; move < kMaxMoves; ++move) {
-    const RemovalSet set = heaviest(settled.sets).set;
-    const Vector6d delta = step_of(s, settled.linear, set).delta;
-    Pose next = retract(settled.linear.pose, delta);
+    const RemovalSet set = heaviest(linear.sets).set;
+    const Vector6d delta = step_of(s, linear, set).delta;
+    const Pose before = linear.pose;
+    Pose next = retract(before, delta);
     if (move == 0 && turn_rad(delta) > kTooLongTurnRad) {
-      const auto hypotheses =
-          fit_all(s, settled.linear, least_residual_sets(settled.sets, s.max_removed), iterations);
-      if (hypotheses.empty()) return settled;
+      const auto sets = least_residual_sets(linear.sets, s.max_removed);
+      const auto hypotheses = fit_all(s, points, linear, sets, iterations);
+      if (hypotheses.empty()) return true;
       next = best_of(hypotheses).pose;
     } else if (turn_rad(delta) <= kLongTurnRad) {
-      return settled;
+      return true;
     }
-    linear = linearise(points, next);
-    if (!linear) return settled;
-    settled.linear = std::move(*linear);
-    settled.sets = sets_that_explain(s, settled.linear);
-    const bool is_same = heaviest(settled.sets).set == set;
-    if (is_same && turn_rad(delta) <= kLongTurnOfSameSetRad) return settled;
+    if (!linearise(points, next, linear) && !linearise(points, before, linear)) return false;
+    explain(s, linear);
+    const bool is_same = heaviest(linear.sets).set == set;
+    if (is_same && turn_rad(delta) <= kLongTurnOfSameSetRad) return true;
   }
-  return settled;
+  return true;
 }
 
-Branch solve_branch(const Setting& s, const PackedPoints& points, const Pose& start) {
+Branch solve_branch(const Setting& s, const PackedPoints& points, const Pose& start,
+                    Linear& linear) {
   Branch branch;
   const kernel::Fit fit = points.fit(start, kMaxIterations, kCoarseStep);
   branch.iterations = fit.iterations;
@@ -469,21 +539,25 @@ Branch solve_branch(const Setting& s, const PackedPoints& points, const Pose& st
     branch.status = PoseStatus::kBehindCamera;
     return branch;
   }
-  const auto settled = settle(s, points, pose_from(fit.pose), branch.iterations);
-  if (!settled) {
+  if (s.is_sigma_known && 2 * fit.model.cost <= kNoiseLike * s.degrees(0)) {
+    const auto all_kept = fitted(points, pose_from(fit.pose), branch.iterations);
+    if (all_kept) branch.hypotheses = {*all_kept};
+    branch.status = all_kept ? PoseStatus::kOk : PoseStatus::kDiverged;
+    return branch;
+  }
+  if (!settle(s, points, pose_from(fit.pose), linear, branch.iterations)) {
     branch.status = PoseStatus::kDegenerate;
     return branch;
   }
-  branch.hypotheses = fit_all(
-      s, settled->linear, heaviest_sets(settled->sets, kMaxFitted, kProbable), branch.iterations);
+  branch.hypotheses = fit_all(s, points, linear, heaviest_sets(linear.sets, kMaxFitted, kProbable),
+                              branch.iterations);
   if (!s.is_sigma_known) {
-    use_linear_weights(settled->sets, branch.hypotheses);
+    use_linear_weights(linear.sets, branch.hypotheses);
   } else if (branch.hypotheses.empty() || !is_explained(s, best_of(branch.hypotheses))) {
     // Rare: far outliers drew the linear model to a wrong place that maintains itself.
-    branch.hypotheses =
-        fit_all(s, settled->linear,
-                heaviest_sets(weigh_sets(s, settled->linear, s.max_removed), kMaxFittedInNeed, 0),
-                branch.iterations);
+    weigh_sets(s, s.max_removed, sweep(s, s.max_removed, linear), linear);
+    branch.hypotheses = fit_all(s, points, linear, heaviest_sets(linear.sets, kMaxFittedInNeed, 0),
+                                branch.iterations);
   }
   branch.status = branch.hypotheses.empty() ? PoseStatus::kDiverged : PoseStatus::kOk;
   return branch;
@@ -499,6 +573,17 @@ Vector6d difference(const Pose& from, const Pose& to) {
   return delta;
 }
 
+/// delta^T H delta, H by its upper triangle.
+double quadratic_form(const double (&hessian)[21], const Vector6d& delta) {
+  double sum = 0;
+  const double* next = hessian;
+  for (int i = 0; i < 6; ++i) {
+    sum += *next++ * delta[i] * delta[i];
+    for (int j = i + 1; j < 6; ++j) sum += 2 * *next++ * delta[i] * delta[j];
+  }
+  return sum;
+}
+
 struct Answer {
   Hypothesis best;
   Pose mean;
@@ -507,8 +592,9 @@ struct Answer {
   bool is_ambiguous = false;
 };
 
-/// The mean is over the hypotheses of the best one's start: between mirror poses lies no pose.
-Answer answer_of(const std::vector<Branch>& branches, const Setting& s) {
+/// None where the best hypothesis leaves the pose undetermined. The mean is over the hypotheses of
+/// the best one's start: between mirror poses lies no pose.
+std::optional<Answer> answer_of(const std::vector<Branch>& branches, const Setting& s) {
   const Branch* chosen = nullptr;
   for (const Branch& b : branches) {
     if (b.hypotheses.empty()) continue;
@@ -516,32 +602,41 @@ Answer answer_of(const std::vector<Branch>& branches, const Setting& s) {
       chosen = &b;
     }
   }
-  Answer answer = {best_of(chosen->hypotheses), {}, Matrix6d::Zero(), 1, false};
-  const Hypothesis& best = answer.best;
+  const Hypothesis& best = best_of(chosen->hypotheses);
+  Answer answer = {best, best.pose, Matrix6d::Zero(), 1, false};
   const double variance = noise_variance(s, best);
-  const Matrix6d information_of_best = best.covariance.inverse() / variance;
 
-  double total = 0, of_chosen = 0, of_best = 0, far = 0;
+  double total = 0;
+  double of_chosen = 0;
+  double of_best = 0;
+  double far = 0;
   Vector6d mean = Vector6d::Zero();
   for (const Branch& b : branches) {
     for (const Hypothesis& h : b.hypotheses) {
       const double weight = std::exp(h.log_weight - best.log_weight);
-      const Vector6d delta = difference(best.pose, h.pose);
       total += weight;
-      if (h.set == best.set && &b == chosen) of_best += weight;
-      if (delta.dot(information_of_best * delta) > kAmbiguousDistance2) far += weight;
-      if (&b != chosen) continue;
-      of_chosen += weight;
-      mean += weight * delta;
+      if (&b == chosen) of_chosen += weight;
+      if (&b == chosen && h.set == best.set) {
+        of_best += weight;
+        continue;
+      }
+      const Vector6d delta = difference(best.pose, h.pose);
+      if (quadratic_form(best.model.hessian, delta) > kAmbiguousDistance2 * variance) far += weight;
+      if (&b == chosen) mean += weight * delta;
     }
   }
   mean /= of_chosen;
   for (const Hypothesis& h : chosen->hypotheses) {
     const double share = std::exp(h.log_weight - best.log_weight) / of_chosen;
+    const std::optional<Matrix6d> covariance = inverse_of(h.model);
+    if (!covariance && &h == &best) return std::nullopt;
+    if (!covariance) continue;
+    answer.covariance += share * noise_variance(s, h) * *covariance;
+    if (chosen->hypotheses.size() == 1) break;
     const Vector6d off = difference(best.pose, h.pose) - mean;
-    answer.covariance += share * (noise_variance(s, h) * h.covariance + off * off.transpose());
+    answer.covariance += share * off * off.transpose();
   }
-  answer.mean = retract(best.pose, mean);
+  if (chosen->hypotheses.size() > 1) answer.mean = retract(best.pose, mean);
   answer.best_probability = of_best / total;
   answer.is_ambiguous = far > kAmbiguousShare * total;
   return answer;
@@ -549,7 +644,7 @@ Answer answer_of(const std::vector<Branch>& branches, const Setting& s) {
 
 bool has_kept_in_front(const Correspondences& c, const RemovalSet& removed, const Pose& pose) {
   for (std::size_t i = 0; i < c.size(); ++i) {
-    const bool is_removed = std::ranges::count(removed.span(), i) > 0;
+    const bool is_removed = std::ranges::find(removed.span(), i) != removed.span().end();
     if (!is_removed && !residual_px(c, i, pose)) return false;
   }
   return true;
@@ -561,25 +656,28 @@ struct MostProbable {
 };
 
 /// Least squares on exactly the points that a hypothesis keeps.
-std::optional<MostProbable> fit_kept(const Setting& s, const Hypothesis& best,
-                                     const LspeOptions& options) {
-  std::vector<Eigen::Matrix2d> weights = s.information;
-  std::vector<double> ones(s.c->size(), 1.0);
-  for (const int i : best.set.span()) {
-    weights[i].setZero();
-    ones[i] = 0;
+std::optional<MostProbable> fit_kept(const Setting& s, const PackedPoints& points,
+                                     const Hypothesis& best) {
+  MostProbable result = {best.pose, Matrix6d::Zero()};
+  if (best.set.size > 0) {
+    PackedPoints kept = points;
+    for (const int i : best.set.span()) kept.scale_weight(i, 0);
+    const kernel::Fit fit = kept.fit(best.pose, kMaxIterations, kFineStep);
+    if (fit.status != kernel::FitStatus::kConverged) return std::nullopt;
+    result.pose = pose_from(fit.pose);
   }
-  const kernel::Fit fit =
-      PackedPoints(*s.c, weights).fit(best.pose, options.max_iterations, options.step_tolerance);
-  if (fit.status != kernel::FitStatus::kConverged) return std::nullopt;
+  std::vector<double> ones(s.c->size(), 1.0);
+  for (const int i : best.set.span()) ones[i] = 0;
   const PackedPoints unit(*s.c, ones);
   kernel::NormalEquations model;
-  if (!kernel::normal_equations(unit.lanes().data(), unit.lanes().size(), fit.pose, model)) {
+  if (!kernel::normal_equations(unit.lanes().data(), unit.lanes().size(), rigid_from(result.pose),
+                                model)) {
     return std::nullopt;
   }
   const std::optional<Matrix6d> unit_covariance = inverse_of(model);
   if (!unit_covariance) return std::nullopt;
-  return MostProbable{pose_from(fit.pose), *unit_covariance};
+  result.unit_covariance = *unit_covariance;
+  return result;
 }
 
 }  // namespace
@@ -595,10 +693,11 @@ PoseEstimate solve_orpe_weighed(const PoseProblem& problem, const SolverOptions&
   if (!setting) return estimate;
   const Setting& s = *setting;
 
-  const PackedPoints points(c, s.information);
+  const PackedPoints points = packed(s);
+  Linear linear;
   std::vector<Branch> branches;
   for (const Pose& start : starting_poses(c, problem.initial_cam_from_target)) {
-    branches.push_back(solve_branch(s, points, start));
+    branches.push_back(solve_branch(s, points, start, linear));
     estimate.status = branches.back().status;
     estimate.iterations += branches.back().iterations;
   }
@@ -606,25 +705,24 @@ PoseEstimate solve_orpe_weighed(const PoseProblem& problem, const SolverOptions&
       std::ranges::any_of(branches, [](const Branch& b) { return b.status == PoseStatus::kOk; });
   if (!is_any) return estimate;
 
-  const Answer answer = answer_of(branches, s);
-  const RemovalSet& removed = answer.best.set;
-  const std::optional<MostProbable> most_probable = fit_kept(s, answer.best, options.lspe);
-  if (!most_probable) {
-    estimate.status = PoseStatus::kDegenerate;
-    return estimate;
-  }
-  const bool is_mean_usable = has_kept_in_front(c, removed, answer.mean);
-  const Pose& pose = is_mean_usable ? answer.mean : most_probable->pose;
+  estimate.status = PoseStatus::kDegenerate;
+  const std::optional<Answer> answer = answer_of(branches, s);
+  if (!answer) return estimate;
+  const RemovalSet& removed = answer->best.set;
+  const std::optional<MostProbable> most_probable = fit_kept(s, points, answer->best);
+  if (!most_probable) return estimate;
+  const bool is_mean_usable = has_kept_in_front(c, removed, answer->mean);
+  const Pose& pose = is_mean_usable ? answer->mean : most_probable->pose;
   estimate.status = PoseStatus::kOk;
   estimate.cam_from_target = from_centred(pose, c);
   estimate.most_probable_cam_from_target = from_centred(most_probable->pose, c);
   estimate.removed.assign(removed.span().begin(), removed.span().end());
   estimate.unit_covariance = covariance_from_centred(most_probable->unit_covariance, pose, c);
-  estimate.covariance = covariance_from_centred(answer.covariance, pose, c);
-  estimate.removed_probability = answer.best_probability;
-  estimate.is_ambiguous = answer.is_ambiguous;
+  estimate.covariance = covariance_from_centred(answer->covariance, pose, c);
+  estimate.removed_probability = answer->best_probability;
+  estimate.is_ambiguous = answer->is_ambiguous;
   estimate.is_removal_limit_reached = s.max_removed > 0 && removed.size == s.max_removed;
-  estimate.is_test_failed = s.is_sigma_known && !is_explained(s, answer.best);
+  estimate.is_test_failed = s.is_sigma_known && !is_explained(s, answer->best);
   return estimate;
 }
 
