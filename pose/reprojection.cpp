@@ -72,11 +72,18 @@ PreparedProblem prepare(const PoseProblem& problem) {
   if (!c.centroid_in_target.allFinite()) return prepared;
   c.points_in_centred.reserve(n);
   c.pixels.reserve(n);
+  const Eigen::Vector2d principal_point(problem.camera.cx_px, problem.camera.cy_px);
+  const bool has_lens = !problem.camera.distortion.is_zero();
   for (std::size_t i = 0; i < n; ++i) {
-    const auto ray = normalised_from_pixel(problem.camera, problem.pixels[i]);
-    if (!ray) return prepared;
     c.points_in_centred.push_back(problem.points_in_target[i] - c.centroid_in_target);
-    c.pixels.emplace_back(c.fx_px * ray->x(), c.fy_px * ray->y());
+    Eigen::Vector2d pixel = problem.pixels[i] - principal_point;
+    if (!pixel.allFinite()) return prepared;
+    if (has_lens) {
+      const auto ray = normalised_from_pixel(problem.camera, problem.pixels[i]);
+      if (!ray) return prepared;
+      pixel = {c.fx_px * ray->x(), c.fy_px * ray->y()};
+    }
+    c.pixels.push_back(pixel);
   }
   if (!is_collinear(c)) prepared.status = PoseStatus::kOk;
   return prepared;
@@ -205,13 +212,14 @@ PackedPoints::PackedPoints(const Correspondences& c, std::size_t lanes) : count_
   const auto place = [&](std::size_t i) -> std::pair<kernel::PointLanes&, std::size_t> {
     return {data()[i / kernel::kLanes], i % kernel::kLanes};
   };
+  const Eigen::Vector2d normalised_from_px(1 / c.fx_px, 1 / c.fy_px);
   for (std::size_t i = 0; i < c.size(); ++i) {
     const auto [p, lane] = place(i);
     p.x[lane] = c.points_in_centred[i].x();
     p.y[lane] = c.points_in_centred[i].y();
     p.z[lane] = c.points_in_centred[i].z();
-    p.u[lane] = c.pixels[i].x() / c.fx_px;
-    p.v[lane] = c.pixels[i].y() / c.fy_px;
+    p.u[lane] = c.pixels[i].x() * normalised_from_px.x();
+    p.v[lane] = c.pixels[i].y() * normalised_from_px.y();
   }
   for (std::size_t i = c.size(); i < lanes * kernel::kLanes; ++i) {
     const auto [p, lane] = place(i);

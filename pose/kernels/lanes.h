@@ -19,6 +19,16 @@ inline const Lanes& lanes_of(const double (&values)[kLanes]) {
   return reinterpret_cast<const Lanes&>(values);
 }
 
+inline void store(const Lanes& values, double* to) {
+  __builtin_memcpy(to, &values, sizeof values);
+}
+
+inline Lanes load(const double* from) {
+  Lanes values;
+  __builtin_memcpy(&values, from, sizeof values);
+  return values;
+}
+
 /// Residuals and rows of the Jacobian by (w, dt). With q = R x, (a, b, z) = q + t, s = 1 / z and
 /// (u, v) = s (a, b) they are
 ///

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pose/kernels/removal_kernel.h"
 
-#include <math.h>
-
 #include <initializer_list>
+
+#include <math.h>
 
 #include "pose/kernels/factor.h"
 #include "pose/kernels/lanes.h"
@@ -17,16 +17,6 @@ inline Lanes square_root(const Lanes& x) {
   Lanes root;
   for (std::size_t i = 0; i < kLanes; ++i) root[i] = sqrt(x[i]);
   return root;
-}
-
-inline void store(const Lanes& values, double* to) {
-  __builtin_memcpy(to, &values, sizeof values);
-}
-
-inline Lanes load(const double* from) {
-  Lanes values;
-  __builtin_memcpy(&values, from, sizeof values);
-  return values;
 }
 
 inline double sum(const Lanes& x) {

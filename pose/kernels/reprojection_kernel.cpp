@@ -84,26 +84,29 @@ inline bool evaluate(const PointLanes* points, std::size_t count, const RigidPos
     cost += ru * (w_uu * ru + w_uv * rv) + rv * (w_uv * ru + w_vv * rv);
   }
   if (is_any(is_behind)) return false;
-  const Lanes groups[7] = {sums(cost, g0, g1, g2),   sums(g3, g4, g5, h00),
-                           sums(h01, h02, h03, h04), sums(h05, h11, h12, h13),
-                           sums(h14, h15, h22, h23), sums(h24, h25, h33, h34),
-                           sums(h35, h44, h45, h55)};
-  static_assert(sizeof groups == sizeof model);
-  __builtin_memcpy(&model, groups, sizeof model);
-  model.cost *= 0.5;
+  static_assert(sizeof model == 28 * sizeof(double));
+  double* const out = &model.cost;
+  store(sums(0.5 * cost, g0, g1, g2), out);
+  store(sums(g3, g4, g5, h00), out + 4);
+  store(sums(h01, h02, h03, h04), out + 8);
+  store(sums(h05, h11, h12, h13), out + 12);
+  store(sums(h14, h15, h22, h23), out + 16);
+  store(sums(h24, h25, h33, h34), out + 20);
+  store(sums(h35, h44, h45, h55), out + 24);
   return true;
 }
 
-inline double promised_decrease(const NormalEquations& model, const double (&delta)[6]) {
-  double decrease = 0;
+/// What the model says that a step gains: -g.delta - 1/2 delta.H delta, with (H + damping diag H)
+/// delta = -g.
+inline double promised_decrease(const NormalEquations& model, const double (&delta)[6],
+                                double damping) {
+  double along = 0, damped = 0;
 #pragma GCC unroll 6
   for (int i = 0; i < 6; ++i) {
-    double row = 0.5 * model.hessian[at(i, i)] * delta[i];
-#pragma GCC unroll 6
-    for (int j = i + 1; j < 6; ++j) row += model.hessian[at(i, j)] * delta[j];
-    decrease -= delta[i] * (model.gradient[i] + row);
+    along += model.gradient[i] * delta[i];
+    damped += model.hessian[at(i, i)] * delta[i] * delta[i];
   }
-  return decrease;
+  return 0.5 * (damping * damped - along);
 }
 
 /// Cayley's turn, by 2 atan(|w| / 2) instead of |w|: equal to second order, and a rotation for
@@ -167,45 +170,53 @@ Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int 
   /// Damping that shortens steps noticeably: a short step then does not mean convergence.
   constexpr double kHeavyDamping = 0.1;
 
-  Fit best = {FitStatus::kStartBehindCamera, 0, start, {}};
-  if (!evaluate(lanes, count, start, best.model)) return best;
-  best.status = FitStatus::kNotConverged;
+  Fit result;
+  result.status = FitStatus::kStartBehindCamera;
+  result.iterations = 0;
+  result.pose = start;
+  // Of two models one is of the best pose and one of the candidate: they change places, for copying
+  // one takes as long as a third of an evaluation.
+  NormalEquations models[2];
+  int best = 0;
+  if (!evaluate(lanes, count, start, models[best])) return result;
+  result.status = FitStatus::kNotConverged;
   double damping = kInitialDamping;
-  while (best.iterations < max_iterations) {
-    ++best.iterations;
+  while (result.iterations < max_iterations) {
+    ++result.iterations;
+    const NormalEquations& model = models[best];
     Factor factor;
-    if (!factorise(best.model.hessian, damping, factor)) {
+    if (!factorise(model.hessian, damping, factor)) {
       damping *= kDampingFactor;
       continue;
     }
     double delta[6];
-    solve(factor, best.model.gradient, delta);
-    const bool is_end = is_short(delta, best.pose, step_tolerance) ||
-                        promised_decrease(best.model, delta) < kEpsilon * best.model.cost;
-    const RigidPose candidate = moved(best.pose, delta);
+    solve(factor, model.gradient, delta);
+    const bool is_end = is_short(delta, result.pose, step_tolerance) ||
+                        promised_decrease(model, delta, damping) < kEpsilon * model.cost;
+    const RigidPose candidate = moved(result.pose, delta);
     if (is_end && damping < kHeavyDamping) {
-      if (is_in_front(lanes, count, candidate)) best.pose = candidate;
-      best.status = FitStatus::kConverged;
-      return best;
+      if (is_in_front(lanes, count, candidate)) result.pose = candidate;
+      result.status = FitStatus::kConverged;
+      break;
     }
-    NormalEquations model;
     // Near the minimum costs differ by rounding only: an equal one is as good.
-    const bool is_better = evaluate(lanes, count, candidate, model) &&
-                           model.cost <= best.model.cost * (1 + 8 * kEpsilon);
+    const bool is_better = evaluate(lanes, count, candidate, models[1 - best]) &&
+                           models[1 - best].cost <= model.cost * (1 + 8 * kEpsilon);
     if (is_better) {
-      best.pose = candidate;
-      best.model = model;
+      result.pose = candidate;
+      best = 1 - best;
       damping =
           damping > kSmallestDamping * kDampingFactor ? damping / kDampingFactor : kSmallestDamping;
       continue;
     }
     if (is_end) {
-      best.status = FitStatus::kConverged;
-      return best;
+      result.status = FitStatus::kConverged;
+      break;
     }
     damping *= kDampingFactor;
   }
-  return best;
+  result.model = models[best];
+  return result;
 }
 
 SIGHTLINE_MULTIVERSION
