@@ -19,6 +19,16 @@ run(${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${WORK}/consumer
     -D CMAKE_PREFIX_PATH=${WORK}/installed -D CMAKE_CXX_FLAGS=${FLAGS})
 run(${CMAKE_COMMAND} --build ${WORK}/consumer)
 run(${WORK}/consumer/consumer)
+# The README shows this program and what it prints.
+file(READ ${SOURCE}/../README.md readme)
+file(READ ${SOURCE}/consumer/main.cpp example)
+string(REGEX REPLACE "^(//[^\n]*\n)+" "" example "${example}")
+foreach(shown IN ITEMS "${example}" "${output}")
+  string(FIND "${readme}" "${shown}" place)
+  if(place EQUAL -1)
+    message(FATAL_ERROR "the README does not show:\n${shown}")
+  endif()
+endforeach()
 if(EXISTS ${WORK}/installed/bin/sightline)
   # Without the cube the list can only come from the installed assets.
   file(REMOVE_RECURSE ${WORK}/installed/share/sightline/targets/cube)
