@@ -487,10 +487,17 @@ bool is_explained(const Setting& s, const Hypothesis& h) {
   return degrees <= 0 || chi_square_survival(h.rss, degrees) >= kTestLevel;
 }
 
-void use_linear_weights(const std::vector<WeighedSet>& sets, std::vector<Hypothesis>& hypotheses) {
+/// Gives every hypothesis the weight of its set in the linear model; those that fitting led away
+/// from the linear model's pose, to another minimum, have none there and are left out.
+void use_linear_weights(const Setting& s, const Linear& linear,
+                        std::vector<Hypothesis>& hypotheses) {
+  std::erase_if(hypotheses, [&](const Hypothesis& h) {
+    const Pose expected = retract(linear.pose, step_of(s, linear, h.set).delta);
+    return geodesic_angle_rad(expected.rotation, h.pose.rotation) > kTooLongTurnRad;
+  });
   for (Hypothesis& h : hypotheses) {
     const auto same =
-        std::ranges::find_if(sets, [&h](const WeighedSet& w) { return w.set == h.set; });
+        std::ranges::find_if(linear.sets, [&h](const WeighedSet& w) { return w.set == h.set; });
     h.log_weight = same->log_weight;
   }
 }
@@ -551,8 +558,10 @@ Branch solve_branch(const Setting& s, const PackedPoints& points, const Pose& st
   }
   branch.hypotheses = fit_all(s, points, linear, heaviest_sets(linear.sets, kMaxFitted, kProbable),
                               branch.iterations);
-  if (!s.is_sigma_known) {
-    use_linear_weights(linear.sets, branch.hypotheses);
+  if (!s.is_sigma_known && !branch.hypotheses.empty()) {
+    const Hypothesis fitted_best = best_of(branch.hypotheses);
+    use_linear_weights(s, linear, branch.hypotheses);
+    if (branch.hypotheses.empty()) branch.hypotheses = {fitted_best};
   } else if (branch.hypotheses.empty() || !is_explained(s, best_of(branch.hypotheses))) {
     // Rare: far outliers drew the linear model to a wrong place that maintains itself.
     weigh_sets(s, s.max_removed, sweep(s, s.max_removed, linear), linear);
@@ -584,6 +593,13 @@ double quadratic_form(const double (&hessian)[21], const Vector6d& delta) {
   return sum;
 }
 
+/// Of the best hypotheses of two starts. Where the noise is not known, its prior would call
+/// residuals far below kPriorSigmaPx equal: with the same points kept the smaller wins.
+bool is_preferable(const Setting& s, const Hypothesis& a, const Hypothesis& b) {
+  if (!s.is_sigma_known && a.set == b.set) return a.rss < b.rss;
+  return a.log_weight > b.log_weight;
+}
+
 struct Answer {
   Hypothesis best;
   Pose mean;
@@ -598,7 +614,7 @@ std::optional<Answer> answer_of(const std::vector<Branch>& branches, const Setti
   const Branch* chosen = nullptr;
   for (const Branch& b : branches) {
     if (b.hypotheses.empty()) continue;
-    if (!chosen || best_of(b.hypotheses).log_weight > best_of(chosen->hypotheses).log_weight) {
+    if (!chosen || is_preferable(s, best_of(b.hypotheses), best_of(chosen->hypotheses))) {
       chosen = &b;
     }
   }
