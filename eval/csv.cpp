@@ -81,6 +81,9 @@ constexpr std::array<std::string_view, 7> kErrors{
 constexpr std::array<std::string_view, 5> kCounts{"removed", "false_removals", "missed_outliers",
                                                   "found", "outliers"};
 constexpr std::array<std::string_view, 7> kPose{"qw", "qx", "qy", "qz", "tx_m", "ty_m", "tz_m"};
+constexpr std::array<std::string_view, 6> kOrientation{
+    "copies", "failures", "angle_error_deg", "theta_error_deg", "geodesic_deg", "t_error_percent"};
+constexpr std::array<std::string_view, 2> kTiming{"solver", "time_ns"};
 constexpr std::array<std::string_view, 7> kTruePose{"true_qw",   "true_qx",   "true_qy",  "true_qz",
                                                     "true_tx_m", "true_ty_m", "true_tz_m"};
 
@@ -92,17 +95,14 @@ std::set<std::string> condition_keys(const Study& study) {
   return keys;
 }
 
-std::string header(const std::set<std::string>& keys) {
+std::string header(const std::set<std::string>& keys, std::initializer_list<Names> columns) {
   Line line;
   const auto add = [&line](const auto& names) {
     for (const auto& name : names) line << name;
   };
   add(kTrial);
   add(keys);
-  for (const Names names :
-       {Names(kSolver), Names(kErrors), Names(kCounts), Names(kPose), Names(kTruePose)}) {
-    add(names);
-  }
+  for (const Names names : columns) add(names);
   return std::move(line).end();
 }
 
@@ -138,38 +138,82 @@ void write_removals(Line& line, const EstimateRecord& e, const Counts& counts) {
   line << fmt::format("{}", fmt::join(e.removed, ";")) << e.false_removals << e.missed_outliers;
 }
 
-std::string row(const Condition& condition, const std::set<std::string>& keys,
-                const TrialRecord& trial, const Counts& counts, const EstimateRecord& estimate) {
-  Line line;
+void write_condition(Line& line, const Condition& condition, const std::set<std::string>& keys,
+                     const TrialRecord& trial) {
   line << trial.trial << condition.label;
   for (const std::string& key : keys) {
     const auto value = condition.values.find(key);
     value != condition.values.end() ? line << value->second : line << "";
   }
+}
+
+void write_estimate(Line& line, const TrialRecord& trial, const Counts& counts,
+                    const EstimateRecord& estimate) {
   line << estimate.solver << estimate.status;
   write_errors(line, estimate);
   write_removals(line, estimate, counts);
   line << counts.found << counts.outliers;
   estimate.is_ok() ? line << estimate.cam_from_target : line.empty_fields(kPose.size());
   line << trial.true_cam_from_target;
-  return std::move(line).end();
+}
+
+void write_orientation(Line& line, const Study& study, const TrialRecord& trial,
+                       const OrientationRecord& orientation) {
+  line << orientation.method << orientation.status << study.pairs.copies << orientation.failures
+       << orientation.angle_error_deg << orientation.theta_error_deg << orientation.geodesic_deg
+       << orientation.t_error_percent << trial.true_cam_from_target;
+}
+
+std::vector<const TrialRecord*> by_number(std::span<const TrialRecord> trials) {
+  std::vector<const TrialRecord*> sorted;
+  for (const TrialRecord& trial : trials) sorted.push_back(&trial);
+  std::sort(sorted.begin(), sorted.end(),
+            [](const TrialRecord* a, const TrialRecord* b) { return a->trial < b->trial; });
+  return sorted;
+}
+
+std::string orientation_csv(const Study& study, std::span<const TrialRecord> trials) {
+  const std::set<std::string> keys = condition_keys(study);
+  std::string csv = header(keys, {kSolver, kOrientation, kTruePose});
+  for (const TrialRecord* trial : by_number(trials)) {
+    for (const OrientationRecord& orientation : trial->orientations) {
+      Line line;
+      write_condition(line, study.conditions[trial->condition], keys, *trial);
+      write_orientation(line, study, *trial, orientation);
+      csv += std::move(line).end();
+    }
+  }
+  return csv;
 }
 
 }  // namespace
 
 std::string to_csv(const Study& study, std::span<const TrialRecord> trials) {
-  std::vector<const TrialRecord*> sorted;
-  for (const TrialRecord& trial : trials) sorted.push_back(&trial);
-  std::sort(sorted.begin(), sorted.end(),
-            [](const TrialRecord* a, const TrialRecord* b) { return a->trial < b->trial; });
-
+  if (study.kind == StudyKind::kOrientation) return orientation_csv(study, trials);
   const std::set<std::string> keys = condition_keys(study);
-  std::string csv = header(keys);
-  for (const TrialRecord* trial : sorted) {
-    const Condition& condition = study.conditions[trial->condition];
+  std::string csv = header(keys, {kSolver, kErrors, kCounts, kPose, kTruePose});
+  for (const TrialRecord* trial : by_number(trials)) {
     const Counts counts = count_observations(*trial);
     for (const EstimateRecord& estimate : trial->estimates) {
-      csv += row(condition, keys, *trial, counts, estimate);
+      Line line;
+      write_condition(line, study.conditions[trial->condition], keys, *trial);
+      write_estimate(line, *trial, counts, estimate);
+      csv += std::move(line).end();
+    }
+  }
+  return csv;
+}
+
+std::string to_timings_csv(const Study& study, std::span<const TrialRecord> trials) {
+  if (study.pairs.timed_repeats == 0) return "";
+  const std::set<std::string> keys = condition_keys(study);
+  std::string csv = header(keys, {kTiming});
+  for (const TrialRecord* trial : by_number(trials)) {
+    for (const OrientationRecord& orientation : trial->orientations) {
+      Line line;
+      write_condition(line, study.conditions[trial->condition], keys, *trial);
+      line << orientation.method << orientation.time_ns;
+      csv += std::move(line).end();
     }
   }
   return csv;

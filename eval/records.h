@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,19 @@ struct EstimateRecord {
   bool is_ok() const { return status == "ok"; }
 };
 
+/// What one method made of the noisy copies of one draw of an orientation study. Errors are means
+/// over the copies, each capped as in statistics, a copy without a rotation counting as the cap.
+struct OrientationRecord {
+  std::string method;
+  std::string status = "ok";   ///< of the first copy that failed, if one did
+  int failures = 0;            ///< copies without a rotation
+  double angle_error_deg = 0;  ///< mean of the three attitude angles' absolute errors
+  double theta_error_deg = 0;  ///< the rest as in EstimateRecord
+  double t_error_percent = 0;
+  double geodesic_deg = 0;
+  double time_ns = std::numeric_limits<double>::quiet_NaN();  ///< a solve; NaN where not timed
+};
+
 /// One trial: the truth, what was seen, and what each solver said.
 struct TrialRecord {
   int64_t trial = 0;
@@ -55,6 +69,8 @@ struct TrialRecord {
   Pose prior_cam_from_target;
   std::vector<ObservationRecord> observations;
   std::vector<EstimateRecord> estimates;  ///< in the study's order of solvers
+  /// In the study's order of methods; only in an orientation study, whose true pose is b_from_a.
+  std::vector<OrientationRecord> orientations;
 };
 
 /// What a solver made of a trial, failed or not; null where the trial has nothing of it.

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <fstream>
 #include <map>
+#include <optional>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -13,6 +14,8 @@
 #include <sys/utsname.h>
 
 #include "eval/interrupt.h"
+#include "eval/numeric_trial.h"
+#include "eval/orientation_trial.h"
 #include "eval/output_folder.h"
 #include "eval/progress.h"
 #include "eval/report/evidence.h"
@@ -30,7 +33,8 @@ namespace fs = std::filesystem;
 using Meta = std::map<std::string, std::string>;
 
 constexpr const char* kStoreFile = "results.sqlite";
-constexpr int kTrialsATransaction = 50;
+constexpr size_t kImagedTrialsATransaction = 50;
+constexpr size_t kOtherTrialsATransaction = 2000;  // each takes well under a millisecond
 
 std::string machine() {
   utsname system{};
@@ -55,13 +59,39 @@ Meta meta_of(const Study& study, const Shard& shard) {
           {"shard", fmt::format("{}/{}", shard.index, shard.count)}};
 }
 
+// Runs trials of any kind of study. Only images need a graphics context.
+class TrialRunner {
+ public:
+  explicit TrialRunner(const Study& study) : study_(study) {
+    if (study.kind == StudyKind::kImages) renderer_.emplace();
+  }
+
+  TrialRecord run(int64_t index) {
+    switch (study_.kind) {
+      case StudyKind::kImages:
+        return run_trial(study_, index, *renderer_).record;
+      case StudyKind::kNumeric:
+        return run_numeric_trial(study_, index);
+      case StudyKind::kOrientation:
+        return run_orientation_trial(study_, index);
+    }
+    return {};
+  }
+
+ private:
+  const Study& study_;
+  std::optional<Renderer> renderer_;
+};
+
 void run_shard(const Study& study, const Shard& shard, Store& store, const Tick& tick) {
-  Renderer renderer;
+  const size_t batch_size =
+      study.kind == StudyKind::kImages ? kImagedTrialsATransaction : kOtherTrialsATransaction;
+  TrialRunner runner(study);
   std::vector<TrialRecord> batch;
   for (int64_t index = shard.index; index < study.trial_count(); index += shard.count) {
     stop_if_interrupted();
-    batch.push_back(run_trial(study, index, renderer).record);
-    if (static_cast<int>(batch.size()) == kTrialsATransaction) {
+    batch.push_back(runner.run(index));
+    if (batch.size() == batch_size) {
       store.add(batch);
       batch.clear();
     }
@@ -92,20 +122,14 @@ void run_jobs(const Study& study, const RunOptions& options, const OutputFolder&
     run_shard(study, share, job_store, tick);
   };
   run_in_processes(jobs, work, [&progress](int64_t n) { progress.advance(n); });
-  std::vector<TrialRecord> trials;
   for (int job = 0; job < jobs; ++job) {
-    for (TrialRecord& trial : Store::open(job_file(job)).trials()) {
-      trials.push_back(std::move(trial));
-    }
+    store.add_all_of(job_file(job));
     fs::remove(job_file(job));
   }
-  std::sort(trials.begin(), trials.end(),
-            [](const TrialRecord& a, const TrialRecord& b) { return a.trial < b.trial; });
-  store.add(trials);
 }
 
-bool is_imaged(const TrialRecord& trial) {
-  return !trial.observations.empty();
+bool could_be_run(const TrialRecord& trial) {
+  return !trial.observations.empty() || !trial.orientations.empty();
 }
 
 // Everything that is made from the trials, by a function from file name to path.
@@ -114,14 +138,19 @@ RunResult write_results(const Study& study, const std::vector<TrialRecord>& tria
                         const Meta& manifest, const Folder& folder) {
   RunResult result;
   result.trials = static_cast<int64_t>(trials.size());
-  result.failed_trials = result.trials - std::count_if(trials.begin(), trials.end(), is_imaged);
+  result.failed_trials = result.trials - std::count_if(trials.begin(), trials.end(), could_be_run);
   stop_if_interrupted();
   result.summary = summarise(study, trials);
   stop_if_interrupted();
   write_file(folder / "results.csv", to_csv(study, trials));
   write_file(folder / "summary.json", to_json(study, result.summary));
-  Renderer renderer;
-  const auto frames = gather_evidence(study, trials, renderer);
+  const std::string timings = to_timings_csv(study, trials);
+  if (!timings.empty()) write_file(folder / "timings.csv", timings);
+  std::vector<FrameEvidence> frames;
+  if (study.kind == StudyKind::kImages) {
+    Renderer renderer;
+    frames = gather_evidence(study, trials, renderer);
+  }
   stop_if_interrupted();
   write_file(folder / "report.html",
              render_report({study, result.summary, trials, frames, manifest}));
@@ -191,7 +220,7 @@ RunResult run_study(const Study& study, const RunOptions& options) {
   run_jobs(study, options, folder, store);
   manifest["jobs"] = fmt::format("{}", options.jobs);
   manifest["shard"] = fmt::format("{}/{}", options.shard.index, options.shard.count);
-  manifest["renderer"] = Renderer().description();
+  if (study.kind == StudyKind::kImages) manifest["renderer"] = Renderer().description();
 
   const RunResult result = write_results(study, store.trials(), manifest, folder);
   const double wall_s =

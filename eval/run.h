@@ -27,9 +27,9 @@ struct RunResult {
 };
 
 /// Runs a study and leaves its folder: study.toml, manifest.json, results.sqlite, results.csv,
-/// summary.json, report.html. With jobs > 1 that many processes do a share each. Everything is
-/// written beside `out` first and takes its name at the end: on failure nothing is left.
-/// Throws InputError when the folder cannot be written.
+/// summary.json, report.html, and timings.csv where times are taken. With jobs > 1 that many
+/// processes do a share each. Everything is written beside `out` first and takes its name at the
+/// end: on failure nothing is left. Throws InputError when the folder cannot be written.
 RunResult run_study(const Study& study, const RunOptions& options);
 
 /// Joins the folders of shards into one, as if one process had run the study. Throws InputError for
@@ -37,7 +37,8 @@ RunResult run_study(const Study& study, const RunOptions& options);
 RunResult merge_runs(const std::vector<std::filesystem::path>& shards,
                      const std::filesystem::path& out, const std::string& command);
 
-/// Writes a run's results.csv, summary.json and report.html anew from its results.sqlite.
+/// Writes a run's results.csv, summary.json, timings.csv and report.html anew from its
+/// results.sqlite.
 RunResult rewrite_report(const std::filesystem::path& folder);
 
 }  // namespace sightline

@@ -15,7 +15,7 @@ namespace sightline {
 namespace {
 
 constexpr int kResamples = 2000;
-constexpr size_t kMostValuesToResample = 20000;
+constexpr size_t kMostValuesToResample = 500;
 constexpr double kTail = 0.025;  // on either side of a 95 % interval
 
 double mean_of(std::span<const double> values) {
@@ -81,10 +81,18 @@ double corrected_tail(double tail, double bias, double acceleration) {
   return normal_cdf(bias + z / (1 - acceleration * z));
 }
 
-std::array<double, 2> normal_interval(size_t count, double mean, double squares) {
+// An end of the ABC interval of a mean: a linear statistic has no curvature, so that its bias
+// correction is the acceleration itself.
+double abc_end(double mean, double standard_error, double tail, double acceleration) {
+  const double w = acceleration + normal_quantile(tail);
+  return mean + standard_error * w / std::pow(1 - acceleration * w, 2);
+}
+
+std::array<double, 2> abc_interval(size_t count, double mean, double squares, double acceleration) {
   const double n = static_cast<double>(count);
-  const double half_width = normal_quantile(1 - kTail) * std::sqrt(squares / (n - 1) / n);
-  return {mean - half_width, mean + half_width};
+  const double standard_error = std::sqrt(squares / (n - 1) / n);
+  return {abc_end(mean, standard_error, kTail, acceleration),
+          abc_end(mean, standard_error, 1 - kTail, acceleration)};
 }
 
 double acklam_lower_half(double p) {
@@ -143,15 +151,15 @@ std::array<double, 2> bca_mean_interval(std::span<const double> values, uint64_t
 
   const double mean = mean_of(values);
   const Moments moments = moments_about(values, mean);
+  // The jackknife's acceleration, in closed form as leaving out x_i moves a mean by
+  // (mean - x_i) / (n - 1).
+  const double acceleration = moments.cubes / (6 * std::pow(moments.squares, 1.5));
   if (values.size() > kMostValuesToResample) {
-    return normal_interval(values.size(), mean, moments.squares);
+    return abc_interval(values.size(), mean, moments.squares, acceleration);
   }
   RandomStream random(seed, stream, 0);
   const std::vector<double> means = sorted_resample_means(values, random);
   const double bias = bias_correction(means, mean);
-  // The jackknife's acceleration, in closed form as leaving out x_i moves a mean by
-  // (mean - x_i) / (n - 1).
-  const double acceleration = moments.cubes / (6 * std::pow(moments.squares, 1.5));
   return {percentile_of_sorted(means, corrected_tail(kTail, bias, acceleration)),
           percentile_of_sorted(means, corrected_tail(1 - kTail, bias, acceleration))};
 }

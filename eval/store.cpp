@@ -23,7 +23,7 @@ namespace {
 // metres. `position` is the place in the trial's list. `removed` is a JSON array of features. Other
 // columns are named as the members of the records (records.h) with the same meaning.
 constexpr int kApplicationId = 0x53474854;  // "SGHT"
-constexpr int kSchemaVersion = 1;
+constexpr int kSchemaVersion = 2;
 constexpr const char* kSchema = R"sql(
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 
@@ -48,6 +48,13 @@ CREATE TABLE estimates (
   r00, r01, r02, r10, r11, r12, r20, r21, r22, tx_m, ty_m, tz_m,
   theta_error_deg, t_error_percent, geodesic_deg, reprojection_rms_px, add_m, mssd_m, mspd_px,
   removed TEXT NOT NULL, false_removals INTEGER NOT NULL, missed_outliers INTEGER NOT NULL,
+  PRIMARY KEY (trial, position)
+) WITHOUT ROWID;
+
+CREATE TABLE orientations (
+  trial INTEGER NOT NULL REFERENCES trials, position INTEGER NOT NULL,
+  method TEXT NOT NULL, status TEXT NOT NULL, failures INTEGER NOT NULL,
+  angle_error_deg, theta_error_deg, t_error_percent, geodesic_deg, time_ns,
   PRIMARY KEY (trial, position)
 ) WITHOUT ROWID;
 )sql";
@@ -141,13 +148,14 @@ class RowReader {
   int column_ = 0;
 };
 
-// Three prepared inserts, to be used within one transaction.
+// Prepared inserts, to be used within one transaction.
 class TrialWriter {
  public:
   explicit TrialWriter(const SQLite::Database& database)
       : trials_(database, "trials", 27),
         observations_(database, "observations", 11),
-        estimates_(database, "estimates", 26) {}
+        estimates_(database, "estimates", 26),
+        orientations_(database, "orientations", 10) {}
 
   void write_trial(const TrialRecord& record) {
     trials_ << record.trial << record.condition << record.redraws << record.true_cam_from_target
@@ -175,10 +183,21 @@ class TrialWriter {
     }
   }
 
+  void write_orientations(const TrialRecord& record) {
+    int position = 0;
+    for (const OrientationRecord& o : record.orientations) {
+      orientations_ << record.trial << position++ << o.method << o.status << o.failures
+                    << o.angle_error_deg << o.theta_error_deg << o.t_error_percent << o.geodesic_deg
+                    << o.time_ns;
+      orientations_.end_row();
+    }
+  }
+
  private:
   RowWriter trials_;
   RowWriter observations_;
   RowWriter estimates_;
+  RowWriter orientations_;
 };
 
 std::vector<TrialRecord> read_trials(const SQLite::Database& database) {
@@ -223,6 +242,12 @@ void read_estimate(RowReader& row, TrialRecord& record) {
       e.geodesic_deg >> e.reprojection_rms_px >> e.add_m >> e.mssd_m >> e.mspd_px >> removed >>
       e.false_removals >> e.missed_outliers;
   e.removed = nlohmann::json::parse(removed).get<std::vector<std::string>>();
+}
+
+void read_orientation(RowReader& row, TrialRecord& record) {
+  OrientationRecord& o = record.orientations.emplace_back();
+  row >> o.method >> o.status >> o.failures >> o.angle_error_deg >> o.theta_error_deg >>
+      o.t_error_percent >> o.geodesic_deg >> o.time_ns;
 }
 
 // Runs `action`; what SQLite says went wrong becomes an InputError about the file.
@@ -281,7 +306,8 @@ void check_version(SQLite::Database& database, const std::filesystem::path& file
 struct Store::Impl {
   // The default journal is named because the faster one (WAL) breaks on network file systems.
   explicit Impl(std::filesystem::path path)
-      : file(std::move(path)), database(file.string(), SQLite::OPEN_READWRITE) {
+      : file(std::move(path)),
+        database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX) {
     database.exec("PRAGMA journal_mode = DELETE");
     database.exec("PRAGMA foreign_keys = ON");
   }
@@ -331,8 +357,27 @@ void Store::add(std::span<const TrialRecord> trials) {
       }
       writer.write_observations(record);
       writer.write_estimates(record);
+      writer.write_orientations(record);
     }
     transaction.commit();
+  });
+}
+
+void Store::add_all_of(const std::filesystem::path& file) {
+  Store::open(file);  // says what is wrong with it, and rolls back what a killed writer left
+  on_file(impl_->file, "cannot be written", [&] {
+    SQLite::Database& database = impl_->database;
+    SQLite::Statement attach(database, "ATTACH DATABASE ? AS other");
+    attach.bind(1, file.string());
+    attach.exec();
+    {
+      SQLite::Transaction transaction(database);
+      for (const char* table : {"trials", "observations", "estimates", "orientations"}) {
+        database.exec(fmt::format("INSERT INTO main.{0} SELECT * FROM other.{0}", table));
+      }
+      transaction.commit();
+    }
+    database.exec("DETACH DATABASE other");
   });
 }
 
@@ -341,6 +386,7 @@ std::vector<TrialRecord> Store::trials() const {
     std::vector<TrialRecord> records = read_trials(impl_->database);
     read_into(impl_->database, "observations", records, read_observation);
     read_into(impl_->database, "estimates", records, read_estimate);
+    read_into(impl_->database, "orientations", records, read_orientation);
     return records;
   });
 }

@@ -8,48 +8,16 @@
 
 #include <fmt/format.h>
 
+#include "eval/study_keys.h"
 #include "pose/attitude.h"
 #include "scenes/assets.h"
 #include "scenes/input_error.h"
-#include "scenes/toml_table.h"
 
 namespace sightline {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMaxTrials = 10'000'000;
-
-// The place of `name` in a list of names; an InputError with a suggestion where it has none.
-size_t index_of(const std::string& name, const std::vector<std::string>& names,
-                const TomlTable& table, const char* key) {
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) {
-    table.fail(key, fmt::format("holds \"{}\"{}", name, suggestion(name, names)));
-  }
-  return static_cast<size_t>(found - names.begin());
-}
-
-template <typename Catalogue>
-std::vector<std::string> names_of(const Catalogue& catalogue) {
-  std::vector<std::string> names;
-  for (const auto& entry : catalogue) names.emplace_back(entry.name);
-  return names;
-}
-
-Camera read_camera(const TomlTable& table) {
-  const int width = static_cast<int>(table.integer("width_px", {16, 16384}, 512));
-  const int height = static_cast<int>(table.integer("height_px", {16, 16384}, 512));
-  return centred_camera(width, height, table.number("f_px", {1, 1e7}));
-}
-
-PoseLaw::Range read_range(const TomlTable& table, const char* key, PoseLaw::Range allowed) {
-  const std::vector<double> ends = table.numbers(key, 2);
-  if (!(ends[0] <= ends[1]) || ends[0] < allowed.min || ends[1] > allowed.max) {
-    table.fail(key, fmt::format("is [{}, {}], must be [low, high] between {} and {}", ends[0],
-                                ends[1], allowed.min, allowed.max));
-  }
-  return {ends[0], ends[1]};
-}
 
 std::map<std::string, PaperFigure> read_paper_figures(const TomlTable& table) {
   std::map<std::string, PaperFigure> figures;
@@ -95,8 +63,7 @@ void read_poses(const TomlTable& table, Study& study) {
   }
   if (table.has("lateral_jitter_m")) table.fail("lateral_jitter_m", "belongs to [[poses.fixed]]");
   law.drawn_angle_deg = read_range(table, "angle_deg", {-180, 180});
-  law.drawn_lateral_m = read_range(table, "lateral_m", {-1e6, 1e6});
-  law.drawn_range_m = read_range(table, "range_m", {1e-3, 1e9});
+  read_position_ranges(table, study);
   study.conditions.push_back({.label = "all", .values = {}, .paper = {}});
 }
 
@@ -122,10 +89,14 @@ void read_light(const TomlTable& table, Study& study) {
   study.light_cone_deg = table.number("cone_deg", {0, 180}, 45.0);
 }
 
-void read_prior(const TomlTable& table, Study& study) {
-  study.prior.attitude_deg = table.number("attitude_deg", {0, 90}, 2.0);
-  study.prior.range_fraction = table.number("range_percent", {0, 20}, 1.0) / 100;
-  study.prior.lateral_px = table.number("lateral_px", {0, 1000}, 3.0);
+void read_outlier_options(const TomlTable& table, OutlierOptions& options) {
+  options.probability = table.number("outlier_probability", {1e-9, 0.5}, options.probability);
+  options.scale_px = table.number("outlier_scale_px", {1e-3, 1e6}, options.scale_px);
+  options.false_alarm_rate =
+      table.number("false_alarm_rate", {1e-9, 0.5}, options.false_alarm_rate);
+  if (table.has("max_removed")) {
+    options.max_removed = static_cast<int>(table.integer("max_removed", {0, 10000}));
+  }
 }
 
 const FeatureExtractor* read_extractor(const TomlTable& table, const char* key, FeatureKind kind,
@@ -169,22 +140,13 @@ void read_extraction(const TomlTable& table, Study& study) {
   corner.block_px = static_cast<int>(corners.integer("block_px", {3, 31}, corner.block_px));
 }
 
-void read_solvers(const TomlTable& table, Study& study) {
-  const std::vector<std::string> known = names_of(pose_solvers());
-  std::set<std::string> seen;
-  for (const std::string& name : table.texts("solvers")) {
-    study.solvers.push_back(&pose_solvers()[index_of(name, known, table, "solvers")]);
-    if (!seen.insert(name).second) {
-      table.fail("solvers", fmt::format("holds \"{}\" twice", name));
-    }
+std::shared_ptr<const Target> read_target(const TomlTable& table) {
+  const std::string name = table.text("target");
+  try {
+    return load_target(name);
+  } catch (const InputError& error) {
+    table.fail("target", fmt::format("cannot be used: {}", error.what()));
   }
-  if (study.solvers.empty()) table.fail("solvers", "is empty, must name at least one solver");
-
-  const TomlTable options = table.table("solver");
-  const std::vector<std::string> starts = {"prior", "free"};
-  study.start = options.choice("start", starts, "prior") == "prior" ? Start::kPrior : Start::kFree;
-  OrpeOptions& orpe = study.solver_options.orpe;
-  orpe.rho = options.number("rho", {1, 1e9}, orpe.rho);
 }
 
 void read_features(const TomlTable& table, Study& study) {
@@ -234,24 +196,7 @@ void require_file_name(const TomlTable& table, const std::string& name) {
   }
 }
 
-std::shared_ptr<const Target> read_target(const TomlTable& table) {
-  const std::string name = table.text("target");
-  try {
-    return load_target(name);
-  } catch (const InputError& error) {
-    table.fail("target", fmt::format("cannot be used: {}", error.what()));
-  }
-}
-
-Study read_table(const TomlTable& table, const std::string& fallback_name) {
-  Study study;
-  study.name = table.text("name", fallback_name);
-  require_file_name(table, study.name);
-  study.title = table.text("title", study.name);
-  study.question = table.text("question", "");
-  study.reference = table.text("reference", "");
-  study.seed = static_cast<uint64_t>(table.integer("seed", {0, 9e15}, 1));
-  study.draws = static_cast<int>(table.integer("trials", {1, kMaxTrials}, 100));
+void read_image_study(const TomlTable& table, Study& study) {
   study.camera = read_camera(table.table("camera"));
   const TomlTable poses = table.table("poses");
   read_poses(poses, study);
@@ -259,16 +204,118 @@ Study read_table(const TomlTable& table, const std::string& fallback_name) {
   read_light(table.table("light"), study);
   read_prior(table.table("prior"), study);
   read_extraction(table.table("extraction"), study);
-  read_solvers(table, study);
-  study.target = read_target(table);
-  read_features(table, study);
+  read_solvers(table, "prior", study);
+  read_target_and_features(table, study);
   table.reject_unknown_keys();
   require_imageable(poses, study);
+}
+
+StudyKind read_kind(const TomlTable& table) {
+  const std::vector<std::string> kinds = {"images", "numeric", "orientation"};
+  const std::string kind = table.choice("kind", kinds, "images");
+  if (kind == "numeric") return StudyKind::kNumeric;
+  return kind == "orientation" ? StudyKind::kOrientation : StudyKind::kImages;
+}
+
+Study read_table(const TomlTable& table, const std::string& fallback_name) {
+  Study study;
+  study.kind = read_kind(table);
+  study.name = table.text("name", fallback_name);
+  require_file_name(table, study.name);
+  study.title = table.text("title", study.name);
+  study.question = table.text("question", "");
+  study.reference = table.text("reference", "");
+  study.claim = table.text("claim", "");
+  study.seed = static_cast<uint64_t>(table.integer("seed", {0, 9e15}, 1));
+  study.draws = static_cast<int>(table.integer("trials", {1, kMaxTrials}, 100));
+  switch (study.kind) {
+    case StudyKind::kImages:
+      read_image_study(table, study);
+      break;
+    case StudyKind::kNumeric:
+      read_numeric_study(table, study);
+      break;
+    case StudyKind::kOrientation:
+      read_orientation_study(table, study);
+      break;
+  }
+  table.reject_unknown_keys();
   study.toml = table.to_toml();
   return study;
 }
 
 }  // namespace
+
+size_t index_of(const std::string& name, const std::vector<std::string>& names,
+                const TomlTable& table, const char* key) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    table.fail(key, fmt::format("holds \"{}\"{}", name, suggestion(name, names)));
+  }
+  return static_cast<size_t>(found - names.begin());
+}
+
+Camera read_camera(const TomlTable& table) {
+  const int width = static_cast<int>(table.integer("width_px", {16, 16384}, 512));
+  const int height = static_cast<int>(table.integer("height_px", {16, 16384}, 512));
+  return centred_camera(width, height, table.number("f_px", {1, 1e7}));
+}
+
+PoseLaw::Range read_range(const TomlTable& table, const char* key, PoseLaw::Range allowed) {
+  const std::vector<double> ends = table.numbers(key, 2);
+  if (!(ends[0] <= ends[1]) || ends[0] < allowed.min || ends[1] > allowed.max) {
+    table.fail(key, fmt::format("is [{}, {}], must be [low, high] between {} and {}", ends[0],
+                                ends[1], allowed.min, allowed.max));
+  }
+  return {ends[0], ends[1]};
+}
+
+void read_position_ranges(const TomlTable& poses, Study& study) {
+  study.poses.drawn_lateral_m = read_range(poses, "lateral_m", {-1e6, 1e6});
+  study.poses.drawn_range_m = read_range(poses, "range_m", {1e-3, 1e9});
+}
+
+void read_prior(const TomlTable& table, Study& study) {
+  study.prior.attitude_deg = table.number("attitude_deg", {0, 90}, 2.0);
+  study.prior.range_fraction = table.number("range_percent", {0, 20}, 1.0) / 100;
+  study.prior.lateral_px = table.number("lateral_px", {0, 1000}, 3.0);
+}
+
+void read_solvers(const TomlTable& table, const std::string& default_start, Study& study) {
+  const std::vector<std::string> known = names_of(pose_solvers());
+  std::set<std::string> seen;
+  for (const std::string& name : table.texts("solvers")) {
+    study.solvers.push_back(&pose_solvers()[index_of(name, known, table, "solvers")]);
+    if (!seen.insert(name).second) {
+      table.fail("solvers", fmt::format("holds \"{}\" twice", name));
+    }
+  }
+  if (study.solvers.empty()) table.fail("solvers", "is empty, must name at least one solver");
+
+  const TomlTable options = table.table("solver");
+  const std::vector<std::string> starts = {"prior", "free"};
+  study.start =
+      options.choice("start", starts, default_start) == "prior" ? Start::kPrior : Start::kFree;
+  OrpeOptions& orpe = study.solver_options.orpe;
+  orpe.rho = options.number("rho", {1, 1e9}, orpe.rho);
+  const std::vector<std::string> finals = {"minimax", "least_squares"};
+  orpe.final = options.choice("final", finals, finals[0]) == finals[0]
+                   ? OrpeOptions::Final::kMinimax
+                   : OrpeOptions::Final::kLeastSquares;
+  read_outlier_options(options, study.solver_options.outliers);
+}
+
+void read_target_and_features(const TomlTable& table, Study& study) {
+  study.target = read_target(table);
+  read_features(table, study);
+}
+
+std::vector<std::string> Study::solver_names() const {
+  std::vector<std::string> names;
+  for (const PoseSolver* solver : solvers) names.emplace_back(solver->name);
+  for (const OrientationMethod* method : methods) names.emplace_back(method->name);
+  return names;
+}
 
 Study read_study(const std::string& name_or_path, const StudyOverrides& overrides) {
   const std::filesystem::path file = find_study_file(name_or_path);
@@ -276,7 +323,7 @@ Study read_study(const std::string& name_or_path, const StudyOverrides& override
   const TomlTable as_written = TomlTable::read_file(file, settings);
   // The study as run stands on its own: it says its name, and where a target beside it lies.
   if (!as_written.has("name")) settings.push_back(fmt::format("name='{}'", file.stem().string()));
-  const std::filesystem::path target = as_written.text("target");
+  const std::filesystem::path target = as_written.text("target", "");
   const std::filesystem::path beside = std::filesystem::absolute(file).parent_path() / target;
   if (target.is_relative() && target.has_extension() && std::filesystem::exists(beside)) {
     settings.push_back(fmt::format("target='{}'", beside.lexically_normal().string()));

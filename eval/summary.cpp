@@ -169,15 +169,26 @@ std::optional<TrialBound> bound_of(const Study& study, const Positions& position
                     std::min(bound->geodesic_rms_rad / kDegree, kAngleCapDeg)};
 }
 
+// A numeric study's cell without noise has no bound, and exact solvers err by rounding alone, of
+// which ratios say nothing.
+bool is_noiseless(const Study& study, int condition) {
+  return study.kind == StudyKind::kNumeric && study.conditions[condition].noise_sd == 0;
+}
+
 // By trial.
 std::vector<std::optional<TrialBound>> bounds_of(const Study& study, const Positions& positions,
-                                                 const Trials& trials,
+                                                 const Trials& trials, int condition,
                                                  std::span<const FeatureSummary> features) {
+  std::vector<std::optional<TrialBound>> bounds(trials.size());
+  if (is_noiseless(study, condition)) return bounds;
   std::map<std::string, double> noise_px;
-  for (const FeatureSummary& feature : features) noise_px[feature.feature] = feature.inlier_rms_px;
-  std::vector<std::optional<TrialBound>> bounds;
-  for (const TrialRecord* trial : trials) {
-    bounds.push_back(bound_of(study, positions, *trial, noise_px));
+  for (const FeatureSummary& feature : features) {
+    noise_px[feature.feature] = study.kind == StudyKind::kNumeric
+                                    ? study.conditions[condition].noise_sd
+                                    : feature.inlier_rms_px;
+  }
+  for (size_t i = 0; i < trials.size(); ++i) {
+    bounds[i] = bound_of(study, positions, *trials[i], noise_px);
   }
   return bounds;
 }
@@ -261,14 +272,71 @@ double rms_geodesic_deg(const Trials& trials, std::string_view solver, const Pre
   return error.root();
 }
 
-void set_ratios(const Trials& trials, const std::vector<std::optional<TrialBound>>& bounds,
+void set_ratios(const Study& study, const Trials& trials,
+                const std::vector<std::optional<TrialBound>>& bounds,
                 const CellObservations& observations, CellSummary& cell) {
+  if (is_noiseless(study, cell.condition)) return;
   const auto has_oracle = [&](size_t i) { return pose_of(*trials[i], kOracle) != nullptr; };
   const auto has_bound = [&](size_t i) { return bounds[i].has_value(); };
   cell.ratio_to_oracle = ratio(rms_geodesic_deg(trials, cell.solver, has_oracle),
                                rms_geodesic_deg(trials, kOracle, has_oracle));
   cell.ratio_to_bound =
       ratio(rms_geodesic_deg(trials, cell.solver, has_bound), observations.bound_geodesic_deg);
+}
+
+const OrientationRecord* find_orientation(const TrialRecord& trial, std::string_view method) {
+  for (const OrientationRecord& orientation : trial.orientations) {
+    if (orientation.method == method) return &orientation;
+  }
+  return nullptr;
+}
+
+CellSummary summarise_method(const Study& study, const Trials& trials, int condition,
+                             const std::string& method) {
+  CellSummary cell;
+  cell.condition = condition;
+  cell.solver = method;
+  cell.trials = static_cast<int>(trials.size());
+  std::vector<const OrientationRecord*> records;
+  for (const TrialRecord* trial : trials) {
+    if (const OrientationRecord* const record = find_orientation(*trial, method)) {
+      records.push_back(record);
+      cell.failures += record->failures > 0;
+      cell.failed_copies += record->failures;
+    }
+  }
+  const auto statistics = [&](double OrientationRecord::*member, double cap,
+                              std::string_view name) {
+    std::vector<double> values;
+    for (const OrientationRecord* record : records) values.push_back(record->*member);
+    return summarise(
+        values, cap, study.seed,
+        fmt::format("bootstrap/{}/{}/{}", study.conditions[condition].label, method, name));
+  };
+  using Record = OrientationRecord;
+  cell.angle_error_deg = statistics(&Record::angle_error_deg, kAngleCapDeg, "angle_error_deg");
+  cell.theta_error_deg = statistics(&Record::theta_error_deg, kAngleCapDeg, "theta_error_deg");
+  cell.geodesic_deg = statistics(&Record::geodesic_deg, kAngleCapDeg, "geodesic_deg");
+  cell.t_error_percent =
+      statistics(&Record::t_error_percent, kTranslationCapPercent, "t_error_percent");
+  if (study.pairs.timed_repeats > 0) {
+    cell.time_ns = statistics(&Record::time_ns, kInfinity, "time_ns");
+  }
+  return cell;
+}
+
+Summary summarise_orientations(const Study& study, std::span<const TrialRecord> trials) {
+  Summary summary;
+  for (int condition = 0; condition < static_cast<int>(study.conditions.size()); ++condition) {
+    const Trials of_cell = trials_of(trials, condition);
+    for (const std::string& method : study.solver_names()) {
+      summary.cells.push_back(summarise_method(study, of_cell, condition, method));
+    }
+    CellObservations& observations = summary.observations.emplace_back();
+    observations.condition = condition;
+    observations.trials = static_cast<int>(of_cell.size());
+  }
+  return summary;
 }
 
 // A key whose values are all whole numbers is a count or a number of a case, written as integers.
@@ -300,19 +368,25 @@ Json error_json(const ErrorSummary& error) {
 }
 
 Json cell_json(const Study& study, const CellSummary& cell) {
-  return {{"condition", condition_json(study, cell.condition)},
-          {"solver", cell.solver},
-          {"trials", cell.trials},
-          {"failures", cell.failures},
-          {"theta_error_deg", error_json(cell.theta_error_deg)},
-          {"t_error_percent", error_json(cell.t_error_percent)},
-          {"geodesic_deg", error_json(cell.geodesic_deg)},
-          {"ratio_to_oracle", cell.ratio_to_oracle},
-          {"ratio_to_bound", cell.ratio_to_bound},
-          {"false_removals", cell.false_removals},
-          {"missed_outliers", cell.missed_outliers},
-          {"exact_set_rate", cell.exact_set_rate},
-          {"capped", cell.geodesic_deg.capped}};
+  Json json = {{"condition", condition_json(study, cell.condition)},
+               {"solver", cell.solver},
+               {"trials", cell.trials},
+               {"failures", cell.failures},
+               {"theta_error_deg", error_json(cell.theta_error_deg)},
+               {"t_error_percent", error_json(cell.t_error_percent)},
+               {"geodesic_deg", error_json(cell.geodesic_deg)},
+               {"ratio_to_oracle", cell.ratio_to_oracle},
+               {"ratio_to_bound", cell.ratio_to_bound},
+               {"false_removals", cell.false_removals},
+               {"missed_outliers", cell.missed_outliers},
+               {"exact_set_rate", cell.exact_set_rate},
+               {"capped", cell.geodesic_deg.capped}};
+  if (study.kind == StudyKind::kOrientation) {
+    json["copies"] = study.pairs.copies;
+    json["failed_copies"] = cell.failed_copies;
+    json["angle_error_deg"] = error_json(cell.angle_error_deg);
+  }
+  return json;
 }
 
 Json observations_json(const Study& study, const CellObservations& cell) {
@@ -339,6 +413,7 @@ Json feature_json(const Study& study, const FeatureSummary& feature) {
 }  // namespace
 
 Summary summarise(const Study& study, std::span<const TrialRecord> trials) {
+  if (study.kind == StudyKind::kOrientation) return summarise_orientations(study, trials);
   Summary summary;
   const Positions positions = positions_of(study);
   for (int condition = 0; condition < static_cast<int>(study.conditions.size()); ++condition) {
@@ -347,12 +422,12 @@ Summary summarise(const Study& study, std::span<const TrialRecord> trials) {
     for (const std::string& feature : features_in(of_cell)) {
       features.push_back(summarise_feature(of_cell, condition, feature));
     }
-    const auto bounds = bounds_of(study, positions, of_cell, features);
+    const auto bounds = bounds_of(study, positions, of_cell, condition, features);
     CellObservations observations = summarise_observations(of_cell, condition);
     set_bounds(bounds, observations);
     for (const PoseSolver* solver : study.solvers) {
       summary.cells.push_back(summarise_cell(study, of_cell, condition, solver->name));
-      set_ratios(of_cell, bounds, observations, summary.cells.back());
+      set_ratios(study, of_cell, bounds, observations, summary.cells.back());
     }
     summary.observations.push_back(observations);
     summary.features.insert(summary.features.end(), features.begin(), features.end());
@@ -364,6 +439,7 @@ std::string to_json(const Study& study, const Summary& summary) {
   Json json = {{"study", study.name}, {"seed", study.seed}};
   json["cells"] = Json::array();
   for (const CellSummary& cell : summary.cells) json["cells"].push_back(cell_json(study, cell));
+  if (study.kind == StudyKind::kOrientation) return json.dump(2) + "\n";
   json["observations"] = Json::array();
   for (const CellObservations& cell : summary.observations) {
     json["observations"].push_back(observations_json(study, cell));

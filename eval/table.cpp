@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/sweep.h"
 #include "eval/text_table.h"
 
 namespace sightline {
@@ -233,6 +234,7 @@ std::string head(const Study& study, const Summary& summary) {
   for (const CellObservations& cell : summary.observations) trials += cell.trials;
   std::string text = wrapped(study.title.empty() ? study.name : study.title);
   if (!study.reference.empty()) text += wrapped(study.reference);
+  if (!study.claim.empty()) text += wrapped(fmt::format("The paper: {}", study.claim));
   const size_t all = study.conditions.size();
   const size_t run =
       std::count_if(summary.observations.begin(), summary.observations.end(), has_trials);
@@ -244,16 +246,16 @@ std::string head(const Study& study, const Summary& summary) {
 
 std::string failure_lines(const Study& study, const Summary& summary) {
   std::string lines;
-  for (const PoseSolver* solver : study.solvers) {
+  for (const std::string& solver : study.solver_names()) {
     int failures = 0;
     int trials = 0;
-    for (const CellSummary* cell : cells_of(summary, solver->name)) {
+    for (const CellSummary* cell : cells_of(summary, solver)) {
       failures += cell->failures;
       trials += cell->trials;
     }
     if (failures == 0) continue;
-    lines += fmt::format("failed: {} {} of {}, counted at the cap of {:g}° and {:g} %\n",
-                         solver->name, failures, trials, kAngleCapDeg, kTranslationCapPercent);
+    lines += fmt::format("failed: {} {} of {}, counted at the cap of {:g}° and {:g} %\n", solver,
+                         failures, trials, kAngleCapDeg, kTranslationCapPercent);
   }
   return lines.empty() ? "" : "\n" + lines;
 }
@@ -261,6 +263,9 @@ std::string failure_lines(const Study& study, const Summary& summary) {
 }  // namespace
 
 std::string to_table(const Study& study, const Summary& summary) {
+  if (study.kind != StudyKind::kImages) {
+    return head(study, summary) + sweep_blocks(study, summary) + failure_lines(study, summary);
+  }
   const std::string statistic = "mean of the trials and its 95 % interval";
   const ErrorKind theta{"theta_error / °, " + statistic, &CellSummary::theta_error_deg,
                         &PaperFigure::theta_error_deg, 2, &CellObservations::bound_theta_deg};

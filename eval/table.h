@@ -13,7 +13,8 @@ namespace sightline {
 /// condition. A block each for theta_error and T_error: every solver's mean with its interval, the
 /// paper's figures beside it where it prints any (else the median), and the Cramér-Rao bound; then
 /// how the solvers dealt with outliers, and what the extraction gave. Solvers that do not fit
-/// beside each other stand in further blocks. What does not apply or is not finite is '-'; means
+/// beside each other stand in further blocks. Of a study without images the tables of its sweep
+/// (eval/sweep.h) stand instead. What does not apply or is not finite is '-'; means
 /// over conditions are of those that have trials.
 std::string to_table(const Study& study, const Summary& summary);
 

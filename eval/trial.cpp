@@ -4,38 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
-#include "eval/metrics.h"
+#include "eval/estimates.h"
+#include "eval/pose_law.h"
 #include "features/extractor.h"
 #include "features/prediction.h"
-#include "pose/attitude.h"
 
 namespace sightline {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-Pose pose_from(const Eigen::Vector3d& theta_deg, const Eigen::Vector3d& t_m) {
-  const Eigen::Vector3d theta = theta_deg * kDegree;
-  return {rotation_from_attitude({theta.x(), theta.y(), theta.z()}), t_m};
-}
-
 Pose jittered_pose(const PoseLaw& law, int condition, RandomStream& stream) {
   const double dx = law.lateral_jitter_m * stream.uniform(-1, 1);
   const double dy = law.lateral_jitter_m * stream.uniform(-1, 1);
   return pose_from(law.theta_deg[condition], law.t_m[condition] + Eigen::Vector3d(dx, dy, 0));
-}
-
-Pose drawn_pose(const PoseLaw& law, RandomStream& stream) {
-  const auto draw = [&stream](const PoseLaw::Range& r) { return stream.uniform(r.min, r.max); };
-  Eigen::Vector3d theta_deg, t_m;
-  for (double& angle : theta_deg) angle = draw(law.drawn_angle_deg);
-  t_m.x() = draw(law.drawn_lateral_m);
-  t_m.y() = draw(law.drawn_lateral_m);
-  t_m.z() = draw(law.drawn_range_m);
-  return pose_from(theta_deg, t_m);
 }
 
 bool has_all_features_inside(const Study& study, const Scene& scene) {
@@ -81,12 +65,6 @@ DrawnScene draw_scene(const Study& study, int64_t index) {
   return drawn;
 }
 
-// The observations that were found, as a problem for the solvers, and which features they are.
-struct FoundPoints {
-  PoseProblem problem;
-  std::vector<int> slots;  // point -> index into the study's features
-};
-
 FoundPoints found_points(const Study& study, const Trial& trial) {
   FoundPoints found;
   PoseProblem& problem = found.problem;
@@ -124,74 +102,6 @@ std::vector<ObservationRecord> compare_with_truth(const Study& study, const Tria
   return records;
 }
 
-double reprojection_rms_px(const PoseProblem& problem, const PoseEstimate& estimate) {
-  double sum = 0;
-  int count = 0;
-  for (size_t i = 0; i < problem.pixels.size(); ++i) {
-    if (std::binary_search(estimate.removed.begin(), estimate.removed.end(), static_cast<int>(i))) {
-      continue;
-    }
-    const auto pixel =
-        project(problem.camera, estimate.cam_from_target * problem.points_in_target[i]);
-    if (!pixel) return std::numeric_limits<double>::infinity();
-    sum += (*pixel - problem.pixels[i]).squaredNorm();
-    ++count;
-  }
-  return count > 0 ? std::sqrt(sum / count) : 0;
-}
-
-// Which points a solver judged right and wrong, against the labels.
-void judge_removals(const TrialRecord& record, const FoundPoints& found,
-                    const PoseEstimate& estimate, EstimateRecord& out) {
-  for (size_t i = 0; i < found.slots.size(); ++i) {
-    const ObservationRecord& observation = record.observations[found.slots[i]];
-    const bool is_removed =
-        std::binary_search(estimate.removed.begin(), estimate.removed.end(), static_cast<int>(i));
-    if (is_removed) out.removed.push_back(observation.feature);
-    if (is_removed && !observation.is_outlier) ++out.false_removals;
-    if (!is_removed && observation.is_outlier) ++out.missed_outliers;
-  }
-}
-
-EstimateRecord solve(const Study& study, const PoseSolver& solver, const FoundPoints& found,
-                     const TrialRecord& record) {
-  PoseProblem problem = found.problem;
-  if (solver.evaluation_only) {
-    for (const int slot : found.slots) {
-      problem.true_inliers.push_back(!record.observations[slot].is_outlier);
-    }
-  }
-  const PoseEstimate estimate = solver.solve(problem, study.solver_options);
-  EstimateRecord out;
-  out.solver = solver.name;
-  out.status = to_string(estimate.status);
-  if (estimate.status != PoseStatus::kOk) return out;
-
-  const Pose& pose = estimate.cam_from_target;
-  const Pose& truth = record.true_cam_from_target;
-  out.cam_from_target = pose;
-  out.theta_error_deg = attitude_error_rad(pose.rotation, truth.rotation) / kDegree;
-  out.t_error_percent = 100 * translation_error_fraction(pose.translation, truth.translation);
-  out.geodesic_deg = geodesic_angle_rad(pose.rotation, truth.rotation) / kDegree;
-  out.reprojection_rms_px = reprojection_rms_px(problem, estimate);
-  const VertexErrors errors = vertex_errors(study.target->mesh, study.camera, pose, truth);
-  out.add_m = errors.add_m;
-  out.mssd_m = errors.mssd_m;
-  out.mspd_px = errors.mspd_px;
-  judge_removals(record, found, estimate, out);
-  return out;
-}
-
-// A drawn pose that cannot be imaged is a failed trial of every solver.
-void fail_all(const Study& study, TrialRecord& record) {
-  for (const PoseSolver* solver : study.solvers) {
-    EstimateRecord estimate;
-    estimate.solver = solver->name;
-    estimate.status = "not imaged";
-    record.estimates.push_back(std::move(estimate));
-  }
-}
-
 }  // namespace
 
 Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
@@ -205,7 +115,7 @@ Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
   record.redraws = drawn.redraws;
   record.true_cam_from_target = drawn.scene.cam_from_target;
   if (!drawn.is_imageable) {
-    fail_all(study, record);
+    record.estimates = failed_estimates(study);
     return trial;
   }
   trial.frame = renderer.render(trial.scene, RandomStream(study.seed, "sensor", index));
@@ -219,11 +129,7 @@ Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
   trial.observations = extract_features(trial.frame.image, white, predictions, study.extractors,
                                         study.extractor_options);
   record.observations = compare_with_truth(study, trial);
-
-  const FoundPoints found = found_points(study, trial);
-  for (const PoseSolver* solver : study.solvers) {
-    record.estimates.push_back(solve(study, *solver, found, record));
-  }
+  record.estimates = estimates_of(study, found_points(study, trial), record);
   return trial;
 }
 

@@ -264,6 +264,30 @@ std::vector<double> TomlTable::numbers(std::string_view key, size_t count,
   return values;
 }
 
+std::vector<double> TomlTable::number_list(std::string_view key, Interval allowed) const {
+  if (!has(key)) {
+    fail(key, fmt::format("is missing (an array of numbers, each {})", describe(allowed)));
+  }
+  const toml::node& node = *node_->table->get(key);
+  const toml::array* array = node.as_array();
+  std::vector<double> values;
+  for (size_t i = 0; array != nullptr && i < array->size(); ++i) {
+    const std::optional<double> value = finite_number(array->get(i));
+    if (!value || *value < allowed.min || *value > allowed.max) {
+      fail(key, fmt::format("holds {}, must hold numbers only, each {}", to_text(*array->get(i)),
+                            describe(allowed)));
+    }
+    if (std::find(values.begin(), values.end(), *value) != values.end()) {
+      fail(key, fmt::format("holds {} twice", *value));
+    }
+    values.push_back(*value);
+  }
+  if (values.empty()) {
+    fail(key, fmt::format("is {}, must be an array of one or more numbers", to_text(node)));
+  }
+  return values;
+}
+
 Eigen::Vector3d TomlTable::vector3(std::string_view key,
                                    std::optional<Eigen::Vector3d> fallback) const {
   if (!has(key) && fallback) return *fallback;

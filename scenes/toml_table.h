@@ -52,6 +52,8 @@ class TomlTable {
   /// An array of exactly `count` finite numbers.
   std::vector<double> numbers(std::string_view key, size_t count,
                               std::optional<std::vector<double>> fallback = {}) const;
+  /// An array of one or more numbers, each within `allowed` and none twice.
+  std::vector<double> number_list(std::string_view key, Interval allowed) const;
   Eigen::Vector3d vector3(std::string_view key, std::optional<Eigen::Vector3d> fallback = {}) const;
   /// An array of points, each an array of three numbers: shape `outer` x `inner` x 3.
   std::vector<std::vector<Eigen::Vector3d>> point_lists(std::string_view key, size_t outer,

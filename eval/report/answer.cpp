@@ -161,6 +161,7 @@ mustache::data comparisons(const ReportInput& input) {
 }  // namespace
 
 std::string answer_figure(const ReportInput& input) {
+  if (input.study.kind != StudyKind::kImages) return sweep_answer(input);
   mustache::data solvers(mustache::data::type::list);
   for (const PoseSolver* solver : input.study.solvers) {
     solvers << solver_line(input, *solver);

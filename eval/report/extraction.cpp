@@ -171,7 +171,7 @@ std::string extractor_names(const ExtractorChoice& choice) {
 }  // namespace
 
 std::string extraction_figure(const ReportInput& input) {
-  if (input.study.features.empty()) return "";
+  if (input.study.kind != StudyKind::kImages || input.study.features.empty()) return "";
   mustache::data features(mustache::data::type::list);
   for (const auto& [name, totals] : totals_of(input)) features << row(name, totals);
   return mustache::mustache(kTemplate).render(mustache::object{

@@ -10,9 +10,13 @@ namespace sightline {
 
 /// The functions in the catalogue of report figures, one a file in this folder.
 std::string answer_figure(const ReportInput& input);
+std::string sweep_figure(const ReportInput& input);
 std::string table_figure(const ReportInput& input);
 std::string extraction_figure(const ReportInput& input);
 std::string frames_figure(const ReportInput& input);
 std::string provenance_figure(const ReportInput& input);
+
+/// The answer of a study without images, which the answer figure shows.
+std::string sweep_answer(const ReportInput& input);
 
 }  // namespace sightline

@@ -25,15 +25,18 @@ constexpr const char* kTemplate = R"html(
 options changed.{{#has_typed}} What was typed: <code>{{typed}}</code>{{/has_typed}}</p>
 <p>Every trial depends on the study, the seed and its own number alone, so that the number of
 processes and of shards does not matter. On one machine results.csv and summary.json repeat byte
-for byte; on
-another type of processor the images may differ in the last grey level.</p>
+for byte{{#images}}; on
+another type of processor the images may differ in the last grey level{{/images}}.{{#timed}} Times do
+not repeat: they stand in timings.csv alone.{{/timed}}</p>
 <h3>Conventions</h3>
 <ul>
-<li>Camera: <i>x</i> right, <i>y</i> down, <i>z</i> forward. Pixel centres lie at integer
+{{^orientation}}<li>Camera: <i>x</i> right, <i>y</i> down, <i>z</i> forward. Pixel centres lie at integer
 coordinates: (0, 0)
 is the centre of the top-left pixel.</li>
 <li>A pose takes points of the target to the camera: x<sub>cam</sub> = R x<sub>target</sub> + T,
-metres.</li>
+metres.</li>{{/orientation}}
+{{#orientation}}<li>A pose takes points of one frame to the other: x<sub>b</sub> = R x<sub>a</sub> +
+T.</li>{{/orientation}}
 <li>Attitude <i>θ</i> = (pitch, yaw, roll) about <i>x</i>, <i>y</i>, <i>z</i>:
 R = R<sub>z</sub>(roll) R<sub>y</sub>(yaw) R<sub>x</sub>(pitch), degrees. The ORPE paper prints no
 order; this
@@ -49,21 +52,35 @@ imaging
 distance |T|, as the ORPE paper defines it.</li>
 <li>Geodesic error: the angle of the one rotation that takes the estimated attitude to the true
 one.</li>
+{{#orientation}}
+<li>Error of an Euler angle: the mean of the three attitude angles’ absolute errors, each wrapped to
+±180°. The absolute-orientation paper plots one angle and does not say which.</li>
+<li>A trial is one draw of points, rotation and translation. Its errors are means over its {{copies}}
+noisy copies, each capped at {{angle_cap}}° and {{t_cap}} %, a copy without a rotation counting as the
+cap; means and intervals are over the draws.</li>
+{{#timed}}<li>Time of a solve: wall time of {{repeats}} solves of a draw’s first copy, over their
+number.</li>{{/timed}}
+{{/orientation}}
+{{^orientation}}
 <li>Reprojection RMS: of the features a solver kept, from where its pose projects them.</li>
-<li>Outlier: a feature found farther than {{outlier_px}} px from where it truly is. Solvers are not
+{{#images}}<li>Outlier: a feature found farther than {{outlier_px}} px from where it truly is. Solvers are not
 told
-(the oracle is, which is why it serves for evaluation only).</li>
+(the oracle is, which is why it serves for evaluation only).</li>{{/images}}
+{{^images}}<li>Outlier: a point that the study displaced, by whatever distance. Solvers are not told
+(the oracle is, which is why it serves for evaluation only).</li>{{/images}}
 <li>Cramér–Rao bound: the least RMS error an unbiased estimator can have on the true inliers of a
-trial, each feature with the noise that its inliers show in the same row; capped as errors are.</li>
+trial, {{#images}}each feature with the noise that its inliers show in the same row{{/images}}{{^images}}with the noise
+applied; none without noise{{/images}}; capped as errors are.</li>
 <li>RMS over oracle’s: on the trials in which the oracle has a pose. RMS over bound: on the trials
 that have a bound.</li>
 <li>Failures never leave the denominator: means and RMS run over all trials with each error capped
 at
 {{angle_cap}}° and {{t_cap}} %, a failed trial counting as the cap; medians and percentiles count
-it as infinite.</li>
-<li>Intervals: 95 %, of the mean, by the bias-corrected and accelerated bootstrap. The mean over
+it as infinite.</li>{{/orientation}}
+<li>Intervals: 95 %, of the mean, by the bias-corrected and accelerated bootstrap, beyond 500
+trials by its analytic form (ABC). {{#images}}The mean over
 conditions adds
-their half-widths as squares.</li>
+their half-widths as squares.{{/images}}</li>
 </ul>
 <h3>The study as it was run</h3>
 <details>
@@ -99,7 +116,9 @@ mustache::data facts_of(const ReportInput& input) {
   // Stated from the study itself, and where it says how to repeat the run.
   for (const char* key : {"study", "trials", "command"}) rest.erase(key);
   add_fact(facts, "trials", fmt::to_string(input.trials.size()));
-  add_fact(facts, "poses drawn anew", fmt::to_string(redraws(input.trials)));
+  if (input.study.kind == StudyKind::kImages) {
+    add_fact(facts, "poses drawn anew", fmt::to_string(redraws(input.trials)));
+  }
   for (const auto& [key, value] : rest) add_fact(facts, words(key), value);
   return facts;
 }
@@ -123,6 +142,11 @@ std::string provenance_figure(const ReportInput& input) {
       {"has_typed", has_typed},
       {"typed", has_typed ? typed->second : ""},
       {"outlier_px", fmt::to_string(input.study.outlier_px)},
+      {"images", input.study.kind == StudyKind::kImages},
+      {"orientation", input.study.kind == StudyKind::kOrientation},
+      {"timed", input.study.pairs.timed_repeats > 0},
+      {"repeats", fmt::to_string(input.study.pairs.timed_repeats)},
+      {"copies", fmt::to_string(input.study.pairs.copies)},
       {"angle_cap", fmt::to_string(kAngleCapDeg)},
       {"t_cap", fmt::to_string(kTranslationCapPercent)},
       {"toml", input.study.toml},

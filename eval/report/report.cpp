@@ -23,6 +23,7 @@ namespace mustache = kainjow::mustache;
 // In the order of the page.
 constexpr std::array kFigures = {
     ReportFigure{"answer", "Answer", answer_figure},
+    ReportFigure{"sweep", "Errors by condition", sweep_figure},
     ReportFigure{"table", "Pose errors", table_figure},
     ReportFigure{"extraction", "Feature extraction", extraction_figure},
     ReportFigure{"frames", "Frames", frames_figure},

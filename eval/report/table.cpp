@@ -282,6 +282,7 @@ std::string failures(const Summary& summary) {
 }  // namespace
 
 std::string table_figure(const ReportInput& input) {
+  if (input.study.kind != StudyKind::kImages) return "";  // it has the sweep's tables
   return mustache::mustache(kTemplate).render(mustache::object{
       {"caption", caption(input.study)},
       {"note", note(input.study)},

@@ -112,6 +112,67 @@ TEST_F(Program, JobsShardsAndRepetitionsGiveTheSameResults) {
   EXPECT_FALSE(fs::exists(path("x")));
 }
 
+TEST_F(Program, NumericStudiesRepeatWhateverTheJobsAndShards) {
+  for (const std::string name : {"cube-noise", "orientation-points"}) {
+    const std::string study = "study " + name + " --trials 4 --quiet --out ";
+    ASSERT_EQ(run(study + path(name + "-one")).exit_code, 0);
+    ASSERT_EQ(run(study + path(name + "-two") + " --jobs 3").exit_code, 0);
+    ASSERT_EQ(run(study + path(name + "-s1") + " --shard 1/2").exit_code, 0);
+    ASSERT_EQ(run(study + path(name + "-s0") + " --shard 0/2 --jobs 2").exit_code, 0);
+    ASSERT_EQ(run("merge " + path(name + "-s1") + " " + path(name + "-s0") + " --out " +
+                  path(name + "-merged"))
+                  .exit_code,
+              0);
+    for (const char* file : {"results.csv", "summary.json"}) {
+      EXPECT_EQ(results(name + "-one", file), results(name + "-two", file)) << name << file;
+      EXPECT_EQ(results(name + "-one", file), results(name + "-merged", file)) << name << file;
+    }
+    EXPECT_FALSE(fs::exists(folder_.path() / (name + "-one") / "timings.csv"));
+    ASSERT_EQ(run(study + path(name + "-other") + " --seed 2").exit_code, 0);
+    EXPECT_NE(results(name + "-one", "results.csv"), results(name + "-other", "results.csv"));
+  }
+}
+
+TEST_F(Program, CubeStudiesHaveTheConditionsOfTheContract) {
+  const Outcome outcome = run("study cube-outliers --trials 10 --out " + path("run"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("below 1.3 degrees"));  // what the paper claims
+  EXPECT_THAT(outcome.output, HasSubstr("3 outliers"));
+  const auto summary = nlohmann::json::parse(results("run", "summary.json"));
+  ASSERT_EQ(summary["cells"].size(), 4 * 3u);
+  for (int outliers = 0; outliers < 4; ++outliers) {
+    const auto& cell = summary["cells"][3 * static_cast<size_t>(outliers)];
+    EXPECT_EQ(cell["condition"].dump(), "{\"outliers\":" + std::to_string(outliers) + "}");
+    EXPECT_EQ(cell["solver"], "orpe");
+    EXPECT_EQ(cell["trials"], 10);
+    EXPECT_EQ(summary["observations"][static_cast<size_t>(outliers)]["outliers_per_trial"],
+              outliers);
+  }
+  EXPECT_EQ(lines_of(results("run", "results.csv")), 1 + 40 * 3u);
+}
+
+TEST_F(Program, OrientationSpeedKeepsTimesOutOfTheResults) {
+  const std::string study = "study orientation-speed --trials 2 --set timed_repeats=3 --out ";
+  const Outcome outcome = run(study + path("run"));
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("Time of a solve / ns"));
+  ASSERT_EQ(run(study + path("again")).exit_code, 0);
+  for (const char* file : {"results.csv", "summary.json"}) {
+    EXPECT_EQ(results("run", file), results("again", file)) << file;
+    EXPECT_THAT(results("run", file), testing::Not(HasSubstr("time"))) << file;
+  }
+  const std::string timings = results("run", "timings.csv");
+  EXPECT_EQ(lines_of(timings), lines_of(results("run", "results.csv")));
+  const auto summary = nlohmann::json::parse(results("run", "summary.json"));
+  const auto& cell = summary["cells"][0];
+  EXPECT_EQ(cell["condition"].dump(), R"({"points":3})");
+  EXPECT_EQ(cell["solver"], "fast");
+  EXPECT_GT(cell["angle_error_deg"]["mean"].get<double>(), 0);
+  fs::remove(folder_.path() / "run" / "timings.csv");
+  ASSERT_EQ(run("report " + path("run")).exit_code, 0);
+  EXPECT_EQ(results("run", "timings.csv"), timings);
+}
+
 TEST_F(Program, ReportIsWrittenAnewFromTheTrials) {
   ASSERT_EQ(run("study boeing-random --trials 2 --quiet --out " + path("run")).exit_code, 0);
   const std::string csv = results("run", "results.csv");
@@ -143,7 +204,9 @@ TEST_F(Program, BadInputIsOneLineAndLeavesNothing) {
         "study boeing-table1 --set target=/no/such.glb" + out,
         "study boeing-table1 --trials 1 --out " + bad_toml.string(),
         std::string("study boeing-table1 --trials 1 --out /proc/nowhere"),
-        "study boeing-table1 --shard 3/2" + out, "target " + bad_mesh.string(),
+        "study boeing-table1 --shard 3/2" + out, "study cube-noise --set noise.pixel_px=1" + out,
+        "study cube-outliers --set outliers.law=swapped" + out,
+        "study orientation-points --set 'methods=[\"fats\"]'" + out, "target " + bad_mesh.string(),
         std::string("target boing707"), std::string("list target"),
         "merge " + path("nothing") + out, "report " + path("nothing")}) {
     const Outcome outcome = run(arguments);
@@ -198,8 +261,10 @@ TEST_F(Program, UsageErrorsExitWithTwo) {
 TEST_F(Program, ListsWhatTheCataloguesHold) {
   const Outcome all = run("list");
   EXPECT_EQ(all.exit_code, 0);
-  for (const char* name : {"boeing707", "cube", "hough_intersection", "shi_tomasi_nearest", "orpe",
-                           "lspe", "oracle", "boeing-table1", "boeing-random"}) {
+  for (const char* name :
+       {"boeing707", "cube", "hough_intersection", "shi_tomasi_nearest", "orpe", "lspe", "oracle",
+        "boeing-table1", "boeing-random", "cube-noise", "cube-outliers", "orientation-points",
+        "orientation-noise", "orientation-speed"}) {
     EXPECT_THAT(all.output, HasSubstr(name));
   }
   EXPECT_THAT(run("list solvers").output, testing::Not(HasSubstr("cube")));

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -258,13 +259,65 @@ TEST(Report, TheSelfContainedCheckSeesWhatIsOutside) {
               ElementsAre());
 }
 
+// The same cells as of a study without images.
+SmallReport small_sweep() {
+  SmallReport report;
+  report.study.kind = StudyKind::kNumeric;
+  report.study.claim = "It is <small>.";
+  report.frames.clear();
+  return report;
+}
+
 TEST(Report, HasEveryFigureAndAWayToIt) {
   const std::string page = SmallReport().page();
+  const std::string sweep = small_sweep().page();
   for (const ReportFigure& figure : report_figures()) {
     const std::string name(figure.name);
-    EXPECT_EQ(count(page, "<section id=\"" + name + "\""), 1u) << name;
-    EXPECT_TRUE(has(page, "<li><a href=\"#" + name + "\">"));
+    const std::string& place = name == "sweep" ? sweep : page;
+    EXPECT_EQ(count(place, "<section id=\"" + name + "\""), 1u) << name;
+    EXPECT_TRUE(has(place, "<li><a href=\"#" + name + "\">"));
   }
+}
+
+TEST(Report, OfAStudyWithoutImagesHasItsSweepAlone) {
+  const std::string page = small_sweep().page();
+  for (const char* name : {"table", "extraction", "frames"}) {
+    EXPECT_FALSE(has(page, fmt::format("<section id=\"{}\"", name)));
+  }
+  EXPECT_FALSE(has(SmallReport().page(), "<section id=\"sweep\""));
+  EXPECT_TRUE(has(page, "The paper: It is &lt;small&gt;."));
+  EXPECT_TRUE(has(page, "<td>2.25 <span class=\"interval\">[1.95, 2.65]</span></td>"));
+  EXPECT_TRUE(has(page, "at pose 2</span>")) << "the worst condition";
+  EXPECT_FALSE(has(page, "farther than"));  // how image studies know an outlier
+  EXPECT_FALSE(has(page, "{{"));
+  EXPECT_THAT(outside_references(page), ElementsAre());
+}
+
+TEST(Report, OfAnOrientationStudyComparesMethodsWithTheFirst) {
+  SmallReport report = small_sweep();
+  report.study.kind = StudyKind::kOrientation;
+  report.study.solvers.clear();
+  report.study.pairs.timed_repeats = 10;
+  const OrientationMethod other{"other_way", "", nullptr};
+  report.study.methods = {find_orientation_method("fast"), &other};
+  report.summary.cells.clear();
+  for (int condition = 0; condition < 2; ++condition) {
+    for (const char* method : {"fast", "other_way"}) {
+      CellSummary& cell = report.summary.cells.emplace_back();
+      cell.condition = condition;
+      cell.solver = method;
+      cell.trials = 2;
+      const bool is_fast = cell.solver == "fast";
+      cell.angle_error_deg = error_summary(is_fast ? 1 : 1.25);
+      cell.time_ns = error_summary(is_fast ? 100 : 200 + 100 * condition);
+    }
+  }
+  const std::string page = report.page();
+  EXPECT_TRUE(has(page, "other way"));
+  EXPECT_TRUE(has(page, "2.5e-01"));
+  EXPECT_TRUE(has(page, "2.00 to 3.00"));
+  EXPECT_TRUE(has(page, "timings.csv"));
+  EXPECT_FALSE(has(page, "{{"));
 }
 
 TEST(Report, LeavesOutAFigureThatDoesNotApply) {

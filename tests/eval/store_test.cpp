@@ -99,6 +99,17 @@ void expect_same(const EstimateRecord& a, const EstimateRecord& b) {
   EXPECT_EQ(a.missed_outliers, b.missed_outliers);
 }
 
+void expect_same(const OrientationRecord& a, const OrientationRecord& b) {
+  EXPECT_EQ(a.method, b.method);
+  EXPECT_EQ(a.status, b.status);
+  EXPECT_EQ(a.failures, b.failures);
+  expect_same_bits(a.angle_error_deg, b.angle_error_deg);
+  expect_same_bits(a.theta_error_deg, b.theta_error_deg);
+  expect_same_bits(a.t_error_percent, b.t_error_percent);
+  expect_same_bits(a.geodesic_deg, b.geodesic_deg);
+  expect_same_bits(a.time_ns, b.time_ns);
+}
+
 void expect_same(const TrialRecord& a, const TrialRecord& b);
 
 template <typename Record>
@@ -116,6 +127,7 @@ void expect_same(const TrialRecord& a, const TrialRecord& b) {
   EXPECT_EQ(bits_of(a.prior_cam_from_target), bits_of(b.prior_cam_from_target));
   expect_same(a.observations, b.observations);
   expect_same(a.estimates, b.estimates);
+  expect_same(a.orientations, b.orientations);
 }
 
 Pose drawn_pose(RandomStream& random) {
@@ -156,6 +168,11 @@ TrialRecord drawn_trial(int64_t number) {
                                1,
                                2});
   }
+  for (const char* method : {"fast", "umeyama"}) {
+    trial.orientations.push_back({method, "degenerate", 3, random.normal(), random.normal(),
+                                  random.normal(), random.normal(), random.normal()});
+  }
+  trial.orientations.push_back({.method = "not timed"});
   return trial;
 }
 
@@ -250,6 +267,28 @@ TEST_F(StoreTest, RefusesATrialThatItHoldsAndAddsNoneOfItsBatch) {
   expect_same(store.trials(), {drawn_trial(7)});
 }
 
+TEST_F(StoreTest, TakesOverAllTrialsOfOthers) {
+  Store::create(file("even"), {}).add(std::vector{drawn_trial(0), drawn_trial(2)});
+  Store::create(file("odd"), {}).add(std::vector{drawn_trial(1), drawn_trial(3)});
+  Store store = Store::create(file(), {{"key", "kept"}});
+  store.add_all_of(file("even"));
+  store.add_all_of(file("odd"));
+  expect_same(store.trials(), {drawn_trial(0), drawn_trial(1), drawn_trial(2), drawn_trial(3)});
+  EXPECT_EQ(store.meta(), (std::map<std::string, std::string>{{"key", "kept"}}));
+}
+
+TEST_F(StoreTest, TakesOverNoneOfAStoreThatHoldsATrialTwice) {
+  Store::create(file("other"), {}).add(std::vector{drawn_trial(6), drawn_trial(7)});
+  Store store = Store::create(file(), {});
+  store.add(std::vector{drawn_trial(7)});
+  expect_complaint(complaint([&] { store.add_all_of(file("other")); }), file(), "UNIQUE");
+  expect_complaint(complaint([&] { store.add_all_of(file("nowhere")); }), file("nowhere"),
+                   "no such file");
+  expect_same(store.trials(), {drawn_trial(7)});
+  store.add(std::vector{drawn_trial(6)});  // it is as good as before
+  EXPECT_EQ(store.trials().size(), 2u);
+}
+
 TEST_F(StoreTest, IsNotMadeOverAFile) {
   std::ofstream(file()) << "precious";
   expect_complaint(complaint([&] { Store::create(file(), {}); }), file(), "exists already");
@@ -300,9 +339,9 @@ TEST_F(StoreTest, IsNotOpenedFromAnEmptyFileOrSomeoneElsesDatabase) {
 
 TEST_F(StoreTest, IsNotOpenedFromAnotherVersion) {
   Store::create(file(), {});
-  SQLite::Database(file().string(), SQLite::OPEN_READWRITE).exec("PRAGMA user_version = 2");
+  SQLite::Database(file().string(), SQLite::OPEN_READWRITE).exec("PRAGMA user_version = 1");
   expect_complaint(complaint([&] { Store::open(file()); }), file(),
-                   "results of version 2; this program reads version 1");
+                   "results of version 1; this program reads version 2");
 }
 
 TEST_F(StoreTest, SaysSoWhenTheFileIsCutShort) {

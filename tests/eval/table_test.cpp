@@ -211,6 +211,34 @@ TEST(Table, PutsSolversThatDoNotFitInFurtherBlocks) {
   EXPECT_THAT(table, HasSubstr("last_solver"));
 }
 
+TEST(Table, OfASweepHoldsADozenSolversAndNineConditions) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 12; ++i) names.push_back("orpe_calibrated_" + std::to_string(i));
+  std::vector<PoseSolver> solvers;
+  for (const std::string& name : names) solvers.push_back({name, "", 4, false, nullptr});
+  Study study;
+  study.kind = StudyKind::kNumeric;
+  study.title = "A sweep";
+  study.claim = "All is well.";
+  for (const PoseSolver& solver : solvers) study.solvers.push_back(&solver);
+  for (int i = 0; i < 9; ++i) {
+    study.conditions.push_back({std::to_string(i) + " px", {{"noise_px", i}}, {}});
+  }
+  const std::string table = to_table(study, summary_of(study));
+  expect_tidy(table);
+  const std::vector<std::string> lines = lines_of(table);
+  EXPECT_LT(lines.size(), 170u);
+  EXPECT_EQ(lines[1], "The paper: All is well.");
+  EXPECT_EQ(std::count_if(lines.begin(), lines.end(),
+                          [](const std::string& line) { return line.starts_with("8 px"); }),
+            4 * 3)
+      << "four quantities in three blocks each";
+  EXPECT_EQ(std::count_if(lines.begin(), lines.end(),
+                          [](const std::string& line) { return line.starts_with("mean"); }),
+            0)
+      << "a mean over noise levels says nothing";
+}
+
 TEST(Table, KeepsLongWordsWithinItsWidth) {
   Study study = four_poses();
   study.title =

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/estimates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "eval/metrics.h"
+#include "pose/attitude.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+double reprojection_rms_px(const PoseProblem& problem, const PoseEstimate& estimate) {
+  double sum = 0;
+  int count = 0;
+  for (size_t i = 0; i < problem.pixels.size(); ++i) {
+    if (std::binary_search(estimate.removed.begin(), estimate.removed.end(), static_cast<int>(i))) {
+      continue;
+    }
+    const auto pixel =
+        project(problem.camera, estimate.cam_from_target * problem.points_in_target[i]);
+    if (!pixel) return std::numeric_limits<double>::infinity();
+    sum += (*pixel - problem.pixels[i]).squaredNorm();
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+// Which points a solver judged right and wrong, against the labels.
+void judge_removals(const TrialRecord& record, const FoundPoints& found,
+                    const PoseEstimate& estimate, EstimateRecord& out) {
+  for (size_t i = 0; i < found.slots.size(); ++i) {
+    const ObservationRecord& observation = record.observations[found.slots[i]];
+    const bool is_removed =
+        std::binary_search(estimate.removed.begin(), estimate.removed.end(), static_cast<int>(i));
+    if (is_removed) out.removed.push_back(observation.feature);
+    if (is_removed && !observation.is_outlier) ++out.false_removals;
+    if (!is_removed && observation.is_outlier) ++out.missed_outliers;
+  }
+}
+
+EstimateRecord solve(const Study& study, const PoseSolver& solver, const FoundPoints& found,
+                     const TrialRecord& record) {
+  PoseProblem problem = found.problem;
+  if (solver.evaluation_only) {
+    for (const int slot : found.slots) {
+      problem.true_inliers.push_back(!record.observations[slot].is_outlier);
+    }
+  }
+  const PoseEstimate estimate = solver.solve(problem, study.solver_options);
+  EstimateRecord out;
+  out.solver = solver.name;
+  out.status = to_string(estimate.status);
+  if (estimate.status != PoseStatus::kOk) return out;
+
+  const Pose& pose = estimate.cam_from_target;
+  const Pose& truth = record.true_cam_from_target;
+  out.cam_from_target = pose;
+  out.theta_error_deg = attitude_error_rad(pose.rotation, truth.rotation) / kDegree;
+  out.t_error_percent = 100 * translation_error_fraction(pose.translation, truth.translation);
+  out.geodesic_deg = geodesic_angle_rad(pose.rotation, truth.rotation) / kDegree;
+  out.reprojection_rms_px = reprojection_rms_px(problem, estimate);
+  const VertexErrors errors = vertex_errors(study.target->mesh, study.camera, pose, truth);
+  out.add_m = errors.add_m;
+  out.mssd_m = errors.mssd_m;
+  out.mspd_px = errors.mspd_px;
+  judge_removals(record, found, estimate, out);
+  return out;
+}
+
+}  // namespace
+
+std::vector<EstimateRecord> estimates_of(const Study& study, const FoundPoints& found,
+                                         const TrialRecord& record) {
+  std::vector<EstimateRecord> estimates;
+  for (const PoseSolver* solver : study.solvers) {
+    estimates.push_back(solve(study, *solver, found, record));
+  }
+  return estimates;
+}
+
+std::vector<EstimateRecord> failed_estimates(const Study& study) {
+  std::vector<EstimateRecord> estimates;
+  for (const PoseSolver* solver : study.solvers) {
+    EstimateRecord& estimate = estimates.emplace_back();
+    estimate.solver = solver->name;
+    estimate.status = "not imaged";
+  }
+  return estimates;
+}
+
+}  // namespace sightline
