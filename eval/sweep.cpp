@@ -57,13 +57,15 @@ std::vector<SweepQuantity> numeric_quantities(const Study& study) {
   }
   all.push_back({.heading = "Trials in which exactly the outliers were removed / %",
                  .value = [](const Cell& cell) { return 100 * cell.exact_set_rate; },
-                 .is_better_high = true});
+                 .is_better_high = true,
+                 .decimals = 1});
   all.push_back(in_detail(number_of<&Cell::ratio_to_bound>("RMS geodesic error over the bound")));
   all.push_back(in_detail(number_of<&Cell::false_removals>("Inliers removed a trial")));
   all.push_back(in_detail(number_of<&Cell::missed_outliers>("Outliers kept a trial")));
-  all.push_back(in_detail({.heading = "Trials without a pose / %", .value = [](const Cell& cell) {
-                             return 100.0 * cell.failures / cell.trials;
-                           }}));
+  all.push_back({.heading = "Trials without a pose / %",
+                 .value = [](const Cell& cell) { return 100.0 * cell.failures / cell.trials; },
+                 .is_detail = true,
+                 .decimals = 1});
   return all;
 }
 
@@ -133,6 +135,7 @@ CellSummary sweep_cell(const Summary& summary, int condition, const std::string&
 }
 
 int sweep_decimals(const Summary& summary, const SweepQuantity& quantity) {
+  if (quantity.decimals >= 0) return quantity.decimals;
   double least = std::numeric_limits<double>::infinity();
   for (const CellSummary& cell : summary.cells) {
     const double value = quantity.value(cell);

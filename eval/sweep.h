@@ -21,6 +21,7 @@ struct SweepQuantity {
   double CellObservations::*bound = nullptr;  ///< in one more column; null where it has none
   bool is_detail = false;                     ///< of the report alone
   bool is_better_high = false;
+  int decimals = -1;  ///< -1: as the values ask for
 };
 
 /// The quantities of a study's kind, those that it did not measure left out; none of a study with

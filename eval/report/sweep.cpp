@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
@@ -86,9 +88,10 @@ bool is_timed(const Study& study) {
   return study.pairs.timed_repeats > 0;
 }
 
-// Acronyms are for the pose solvers; methods of absolute orientation go by their names.
+// Acronyms are for the pose solvers; methods of absolute orientation go by their names. As words,
+// so that the heads of columns can break.
 std::string label_of(const Study& study, const std::string& solver) {
-  return is_orientation(study) ? words(solver) : solver_label(solver);
+  return words(is_orientation(study) ? solver : solver_label(solver));
 }
 
 mustache::data labels_of_solvers(const Study& study) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Studies that draw no images: numeric ones, and those of the absolute orientation.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -267,6 +268,36 @@ TEST(NumericTrial, SwapsMirroredPairs) {
       HasSubstr("only 2 of the features mirror"));
 }
 
+// Keeps what it was given.
+std::vector<PoseProblem> spied_problems;
+PoseEstimate spy(const PoseProblem& problem, const SolverOptions&) {
+  spied_problems.push_back(problem);
+  return {};
+}
+constexpr PoseSolver kSpy{"spy", "keeps its problem", 4, false, spy};
+constexpr PoseSolver kToldSpy{"told spy", "keeps its problem", 4, true, spy};
+
+std::vector<PoseProblem> problems_of(const Settings& settings) {
+  Study study = study_with("cube-outliers", 1, settings);
+  study.solvers = {&kSpy, &kToldSpy};
+  spied_problems.clear();
+  run_numeric_trial(study, 2);  // two outliers
+  return spied_problems;
+}
+
+TEST(NumericTrial, TellsSolversWhatTheStudySaysAndNoMore) {
+  const auto plain = problems_of({});
+  ASSERT_EQ(plain.size(), 2u);
+  EXPECT_EQ(plain[0].points_in_target.size(), 8u);
+  EXPECT_EQ(plain[0].sigma_px, 0);
+  EXPECT_FALSE(plain[0].initial_cam_from_target.has_value());
+  EXPECT_TRUE(plain[0].true_inliers.empty());
+  EXPECT_TRUE(plain[0].covariances_px2.empty());
+  EXPECT_EQ(std::count(plain[1].true_inliers.begin(), plain[1].true_inliers.end(), false), 2);
+  EXPECT_EQ(problems_of({"solver.sigma=known", "noise.scale=2"})[0].sigma_px, 4);
+  EXPECT_TRUE(problems_of({"solver.start=prior"})[0].initial_cam_from_target.has_value());
+}
+
 TEST(NumericTrial, APoseBehindTheCameraIsAFailedRow) {
   const Study study = study_with("cube-noise", 20, {"poses.range_m=[0.01, 0.02]"});
   const std::vector<TrialRecord> trials = run_all(study);
@@ -339,7 +370,7 @@ TEST(OrientationTrial, CountsACopyWithoutARotationAsTheCap) {
 }
 
 TEST(OrientationTrial, TakesTimesOnlyWhereAsked) {
-  const Study timed = study_with("orientation-speed", 1, {"timed_repeats=2"});
+  const Study timed = study_with("orientation-speed", 1, {"timed_repeats=2", "methods=['fast']"});
   const TrialRecord trial = run_orientation_trial(timed, 0);
   EXPECT_GT(trial.orientations[0].time_ns, 0);
   EXPECT_THAT(to_timings_csv(timed, {{trial}}),

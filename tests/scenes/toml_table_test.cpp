@@ -47,6 +47,20 @@ TEST(TomlTable, ErrorsNameFileKeyGivenAndAllowed) {
   EXPECT_EQ(error.find('\n'), std::string::npos);
 }
 
+TEST(TomlTable, ReadsListsOfNumbersWithinTheirRange) {
+  const TomlTable table = parse("a = [3, 0.5]\nb = []\nc = [1, 1]\nd = 2\ne = [1, 'x']\nf = [9]\n");
+  EXPECT_EQ(table.number_list("a", {0, 3}), (std::vector<double>{3, 0.5}));
+  EXPECT_THAT(error_of([&] { table.number_list("b", {}); }), HasSubstr("one or more"));
+  EXPECT_THAT(error_of([&] { table.number_list("c", {}); }), HasSubstr("holds 1 twice"));
+  EXPECT_THAT(error_of([&] { table.number_list("d", {}); }), HasSubstr("must be an array"));
+  EXPECT_THAT(error_of([&] { table.number_list("e", {}); }), HasSubstr("numbers only"));
+  EXPECT_THAT(error_of([&] {
+                table.number_list("f", {0, 3});
+              }),
+              AllOf(HasSubstr("holds 9"), HasSubstr("from 0 to 3")));
+  EXPECT_THAT(error_of([&] { table.number_list("absent", {}); }), HasSubstr("is missing"));
+}
+
 TEST(TomlTable, RejectsWrongTypesAndNumbersThatAreNotFinite) {
   const TomlTable table = parse("a = 'x'\nb = nan\nc = inf\nd = 1.5\ne = [1, 2]\nf = [1, 2, nan]");
   EXPECT_THROW(table.number("a"), InputError);
