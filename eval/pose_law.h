@@ -7,10 +7,10 @@
 
 namespace sightline {
 
-/// cam_from_target of an attitude (pitch, yaw, roll) in degrees and a translation in metres.
+/// The pose of an attitude (pitch, yaw, roll) in degrees and a translation in metres.
 Pose pose_from(const Eigen::Vector3d& theta_deg, const Eigen::Vector3d& t_m);
 
-/// A pose drawn from the ranges of a law.
+/// cam_from_target drawn from the ranges of a law.
 Pose drawn_pose(const PoseLaw& law, RandomStream& stream);
 
 }  // namespace sightline
