@@ -190,8 +190,8 @@ RobustFit fit_huber(const WhitenedCorrespondences& c, const Pose& start,
   constexpr double kSettled = 1e-3;           // change of sigma
   constexpr double kLeadingTolerance = 1e-4;  // steps while sigma is still settling
   if (c.sigma > 0) {
-    return minimise_loss(c, start, HuberLoss{kHuberWidth * c.sigma}, options.max_iterations,
-                         options.step_tolerance);
+    return minimise_loss(c, start, HuberLoss{kHuberWidth * c.sigma},
+                         kLimitFactor * options.max_iterations, options.step_tolerance);
   }
   const double no_limit = std::numeric_limits<double>::max();
   RobustFit fit = minimise_loss(c, start, HuberLoss{std::sqrt(no_limit)}, options.max_iterations,
@@ -209,10 +209,16 @@ RobustFit fit_huber(const WhitenedCorrespondences& c, const Pose& start,
     if (is_settled) break;
   }
   fit = minimise_loss(c, fit.cam_from_centred, HuberLoss{kHuberWidth * sigma},
-                      options.max_iterations, options.step_tolerance);
+                      kLimitFactor * options.max_iterations, options.step_tolerance);
   fit.sigma = sigma;
   fit.iterations += iterations;
   return fit;
+}
+
+Matrix6d weighted_information(const WhitenedCorrespondences& c, const Pose& cam_from_centred,
+                              std::span<const double> weights) {
+  const std::optional<LocalModel> model = weighted_model(c, weights, cam_from_centred);
+  return model ? model->hessian : Matrix6d::Zero();
 }
 
 PoseEstimate estimate_of_failure(PoseStatus status) {
@@ -221,13 +227,14 @@ PoseEstimate estimate_of_failure(PoseStatus status) {
   return estimate;
 }
 
-PoseEstimate estimate_from_fit(const RobustFit& fit, const Correspondences& c,
+PoseEstimate estimate_from_fit(const RobustFit& fit, const WhitenedCorrespondences& c,
                                double smallest_kept_weight) {
   PoseEstimate estimate;
   estimate.status = fit.status;
   estimate.iterations = fit.iterations;
   if (estimate.status != PoseStatus::kOk) return estimate;
-  const std::optional<Matrix6d> covariance = inverse_information(fit.information);
+  const std::optional<Matrix6d> covariance =
+      inverse_information(weighted_information(c, fit.cam_from_centred, fit.weights));
   if (!covariance) {
     estimate.status = PoseStatus::kDegenerate;
     return estimate;
@@ -235,8 +242,8 @@ PoseEstimate estimate_from_fit(const RobustFit& fit, const Correspondences& c,
   for (std::size_t i = 0; i < fit.weights.size(); ++i) {
     if (fit.weights[i] < smallest_kept_weight) estimate.removed.push_back(static_cast<int>(i));
   }
-  estimate.cam_from_target = from_centred(fit.cam_from_centred, c);
-  estimate.unit_covariance = covariance_from_centred(*covariance, fit.cam_from_centred, c);
+  estimate.cam_from_target = from_centred(fit.cam_from_centred, c.points);
+  estimate.unit_covariance = covariance_from_centred(*covariance, fit.cam_from_centred, c.points);
   return estimate;
 }
 

@@ -83,10 +83,16 @@ double sigma_from_median(std::span<const double> squared_residuals);
 /// stream.
 std::vector<std::size_t> canonical_order(const Correspondences& c);
 
-/// What a robust loss says of a point: its cost rho(r) and its weight rho'(r) / r.
+/// Where losses have kinks or negative curvature Marquardt's method is slower than on squares: an
+/// M-estimator may take this many times LspeOptions::max_iterations.
+inline constexpr int kLimitFactor = 4;
+
+/// What a robust loss says of a point, r^2 its squared residual: the cost rho(r), the weight
+/// rho'(r) / r, and the curvature rho''(r).
 struct Loss {
   double cost;
   double weight;
+  double curvature;
 };
 
 /// Huber: least squares to `width`, absolute values beyond.
@@ -94,9 +100,9 @@ struct HuberLoss {
   double width;
 
   Loss operator()(double r2) const {
-    if (r2 <= width * width) return {0.5 * r2, 1};
+    if (r2 <= width * width) return {0.5 * r2, 1, 1};
     const double r = std::sqrt(r2);
-    return {width * (r - 0.5 * width), width / r};
+    return {width * (r - 0.5 * width), width / r, 0};
   }
 };
 
@@ -108,16 +114,18 @@ inline constexpr double kHuberWidth = 1.501;
 struct RobustFit {
   PoseStatus status = PoseStatus::kDiverged;
   Pose cam_from_centred;
-  double sigma = 0;                         ///< known or estimated
-  double cost = 0;                          ///< of the solver's own loss
-  Matrix6d information = Matrix6d::Zero();  ///< sum of weight J^T J, whitened
-  std::vector<double> weights;              ///< rho'(r) / r at the pose
+  double sigma = 0;             ///< known or estimated
+  double cost = 0;              ///< of the solver's own loss
+  std::vector<double> weights;  ///< rho'(r) / r at the pose
   int iterations = 0;
 };
 
 /// Minimises the sum of loss(r_i^2) over whitened residuals from one start by Marquardt's method on
-/// the weighted normal equations. Every point must be in front. kBehindCamera when the start has
-/// one behind; kDiverged when `max_iterations` did not do.
+///   gradient  sum w_i J_i^T r_i,
+///   Hessian   sum w_i J_i^T J_i + (max(rho'', 0) - w_i) g_i g_i^T,   g_i = J_i^T r_i / |r_i|,
+/// Newton's but for the second derivatives of the pixels and negative curvatures (Triggs et al.,
+/// "Bundle adjustment - a modern synthesis", 2000, section 4.3). Every point must be in front.
+/// kBehindCamera when the start has one behind; kDiverged when `max_iterations` did not do.
 template <typename LossFunction>
 RobustFit minimise_loss(const WhitenedCorrespondences& c, const Pose& start,
                         const LossFunction& loss, int max_iterations, double step_tolerance) {
@@ -126,11 +134,16 @@ RobustFit minimise_loss(const WhitenedCorrespondences& c, const Pose& start,
     for (std::size_t i = 0; i < c.size(); ++i) {
       const std::optional<Reprojection> r = whitened_reprojection(c, i, pose);
       if (!r) return std::nullopt;
-      const Loss value = loss(r->residual_px.squaredNorm());
+      const double r2 = r->residual_px.squaredNorm();
+      const Loss value = loss(r2);
       model.cost += value.cost;
       if (value.weight == 0) continue;
-      model.gradient.noalias() += value.weight * r->jacobian.transpose() * r->residual_px;
+      const Vector6d slope = r->jacobian.transpose() * r->residual_px;
+      model.gradient += value.weight * slope;
       model.hessian.noalias() += value.weight * r->jacobian.transpose() * r->jacobian;
+      const double excess = value.weight - std::max(value.curvature, 0.0);
+      if (excess > 0 && r2 > 0)
+        model.hessian.noalias() -= (excess / r2) * slope * slope.transpose();
     }
     return model;
   };
@@ -140,7 +153,6 @@ RobustFit minimise_loss(const WhitenedCorrespondences& c, const Pose& start,
   fit.cam_from_centred = minimum.pose;
   fit.sigma = c.sigma;
   fit.cost = minimum.model.cost;
-  fit.information = minimum.model.hessian;
   fit.iterations = minimum.iterations;
   if (fit.status == PoseStatus::kBehindCamera) return fit;
   for (const double r2 : squared_residuals(c, fit.cam_from_centred)) {
@@ -175,13 +187,17 @@ RobustFit best_fit(std::span<const Pose> starts, const Fit& fit) {
   return best;
 }
 
+/// The sum of weight_i J_i^T J_i, whitened.
+Matrix6d weighted_information(const WhitenedCorrespondences& c, const Pose& cam_from_centred,
+                              std::span<const double> weights);
+
 /// An estimate that says why there is none.
 PoseEstimate estimate_of_failure(PoseStatus status);
 
 /// The estimate of an M-estimator: the pose, the inverse of its weighted information, and as
 /// removed the points of a weight below `smallest_kept_weight`. kDegenerate where the weights leave
 /// a pose undetermined.
-PoseEstimate estimate_from_fit(const RobustFit& fit, const Correspondences& c,
+PoseEstimate estimate_from_fit(const RobustFit& fit, const WhitenedCorrespondences& c,
                                double smallest_kept_weight);
 
 /// The estimate of least squares on some of the points; `removed` are the others, ascending.

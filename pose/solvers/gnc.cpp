@@ -39,7 +39,7 @@ struct GemanMcClureLoss {
 
   Loss operator()(double r2) const {
     const double ratio = mu_c2 / (mu_c2 + r2);
-    return {0.5 * r2 * ratio, ratio * ratio};
+    return {0.5 * r2 * ratio, ratio * ratio, ratio * ratio * (4 * ratio - 3)};
   }
 };
 
@@ -64,8 +64,8 @@ RobustFit fit_gnc(const WhitenedCorrespondences& c, const Pose& start, double un
     pose = stage.cam_from_centred;
     iterations += stage.iterations;
   }
-  RobustFit fit =
-      minimise_loss(c, pose, GemanMcClureLoss{c2}, options.max_iterations, options.step_tolerance);
+  RobustFit fit = minimise_loss(c, pose, GemanMcClureLoss{c2},
+                                kLimitFactor * options.max_iterations, options.step_tolerance);
   fit.sigma = sigma;
   fit.iterations += iterations;
   return fit;
@@ -81,7 +81,7 @@ PoseEstimate solve_gnc(const PoseProblem& problem, const SolverOptions& options)
   const RobustFit fit =
       best_fit(starting_poses(c.points, problem.initial_cam_from_target),
                [&](const Pose& start) { return fit_gnc(c, start, unit_bound2, options.lspe); });
-  return estimate_from_fit(fit, c.points, kWeightAtBound);
+  return estimate_from_fit(fit, c, kWeightAtBound);
 }
 
 }  // namespace sightline

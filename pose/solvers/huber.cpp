@@ -29,7 +29,7 @@ PoseEstimate solve_huber(const PoseProblem& problem, const SolverOptions& option
       best_fit(starting_poses(c.points, problem.initial_cam_from_target),
                [&](const Pose& start) { return fit_huber(c, start, options.lspe); });
   const double t2 = squared_threshold(options.outliers.false_alarm_rate, c.size());
-  return estimate_from_fit(fit, c.points, HuberLoss{kHuberWidth}(t2).weight);
+  return estimate_from_fit(fit, c, HuberLoss{kHuberWidth}(t2).weight);
 }
 
 }  // namespace sightline

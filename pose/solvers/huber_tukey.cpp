@@ -26,9 +26,9 @@ struct TukeyLoss {
 
   Loss operator()(double r2) const {
     const double width2 = width * width;
-    if (!(r2 < width2)) return {width2 / 6, 0};
+    if (!(r2 < width2)) return {width2 / 6, 0, 0};
     const double u = 1 - r2 / width2;
-    return {width2 / 6 * (1 - u * u * u), u * u};
+    return {width2 / 6 * (1 - u * u * u), u * u, u * (5 * u - 4)};
   }
 };
 
@@ -37,11 +37,12 @@ RobustFit fit_huber_tukey(const WhitenedCorrespondences& c, const Pose& start,
   RobustFit huber = fit_huber(c, start, options);
   if (huber.status == PoseStatus::kBehindCamera) return huber;
   RobustFit tukey = minimise_loss(c, huber.cam_from_centred, TukeyLoss{kTukeyWidth * huber.sigma},
-                                  options.max_iterations, options.step_tolerance);
+                                  kLimitFactor * options.max_iterations, options.step_tolerance);
   tukey.sigma = huber.sigma;
   tukey.iterations += huber.iterations;
   const bool is_determined =
-      tukey.status == PoseStatus::kOk && inverse_information(tukey.information);
+      tukey.status == PoseStatus::kOk &&
+      inverse_information(weighted_information(c, tukey.cam_from_centred, tukey.weights));
   return is_determined ? tukey : huber;
 }
 
@@ -55,7 +56,7 @@ PoseEstimate solve_huber_tukey(const PoseProblem& problem, const SolverOptions& 
       best_fit(starting_poses(c.points, problem.initial_cam_from_target),
                [&](const Pose& start) { return fit_huber_tukey(c, start, options.lspe); });
   const double t2 = squared_threshold(options.outliers.false_alarm_rate, c.size());
-  return estimate_from_fit(fit, c.points, TukeyLoss{kTukeyWidth}(t2).weight);
+  return estimate_from_fit(fit, c, TukeyLoss{kTukeyWidth}(t2).weight);
 }
 
 }  // namespace sightline

@@ -29,8 +29,8 @@
 namespace sightline {
 namespace {
 
-constexpr int kMaxSamples = 1000;
-constexpr double kConfidence = 0.999;
+constexpr int kMaxSamples = 100;
+constexpr double kConfidence = 0.99;
 constexpr double kThresholdOfUnknownNoisePx = 8;  // OpenCV's default
 
 double threshold_px(const PoseProblem& problem, double false_alarm_rate) {

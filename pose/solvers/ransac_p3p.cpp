@@ -20,7 +20,9 @@
 // residuals; sigma = 1), else sigma_px. Where sigma is not known, a pose costs the sum of its h =
 // (n + 4) / 2 smallest r_i^2 and these are its consensus (least trimmed squares: Rousseeuw, JASA
 // 79, 1984; Rousseeuw and Van Driessen, DMKD 12, 2006); sigma is then taken from that sum and, with
-// the consensus of t, again until it settles.
+// the consensus of t, again until it settles. An estimated sigma has nu = 2 m - 6 degrees of
+// freedom, m the points that it comes from, and t^2 is then the quantile of 2 F_{2, nu} in the
+// place of chi2_2, in closed form nu (p^(-2 / nu) - 1) sigma^2.
 //
 // Deviations: for so few points no triple is left to chance, and there is no early stop. Drawn
 // triples come from a stream with a fixed seed over an order of the points that does not depend on
@@ -200,23 +202,24 @@ double trimmed_variance(double sum, std::size_t h, std::size_t n) {
 }
 
 /// Step 4 where sigma is not known: sigma from the consensus and the consensus from sigma in turns.
-Refined refine_with_sigma(const WhitenedCorrespondences& c, const Candidate& start, Rule rule,
-                          std::size_t least_kept, double unit_t2, const LspeOptions& options) {
+Refined refine_with_sigma(const WhitenedCorrespondences& c, const Candidate& start,
+                          std::size_t trimmed_to, std::size_t least_kept, double tail,
+                          const LspeOptions& options) {
   constexpr double kSettled = 1e-6;
   constexpr double kSmallest = kSmallestSigma * kSmallestSigma;
-  double variance = std::max(trimmed_variance(start.cost, rule.least, c.size()), kSmallest);
-  rule.least = least_kept;
+  double variance = std::max(trimmed_variance(start.cost, trimmed_to, c.size()), kSmallest);
+  double degrees = 2 * static_cast<double>(trimmed_to) - 6;
   Refined refined;
   Pose pose = start.cam_from_centred;
   int iterations = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    rule.t2 = unit_t2 * variance;
-    refined = refine(c, pose, rule, options);
+    const double unit_t2 = degrees * (std::pow(tail, -2 / degrees) - 1);
+    refined = refine(c, pose, {unit_t2 * variance, least_kept}, options);
     iterations += refined.solution.iterations;
     if (refined.solution.status != PoseStatus::kOk) break;
     pose = refined.candidate.cam_from_centred;
-    const double kept = std::accumulate(refined.weights.begin(), refined.weights.end(), 0.0);
-    const double next = std::max(refined.solution.cost_px2 / (2 * kept - 6), kSmallest);
+    degrees = 2 * std::accumulate(refined.weights.begin(), refined.weights.end(), 0.0) - 6;
+    const double next = std::max(refined.solution.cost_px2 / degrees, kSmallest);
     const bool is_settled = std::abs(next - variance) <= kSettled * variance;
     variance = next;
     if (is_settled) break;
@@ -251,15 +254,17 @@ PoseEstimate solve_ransac_p3p(const PoseProblem& problem, const SolverOptions& o
     return estimate_of_failure(PoseStatus::kBehindCamera);
   }
 
-  const double unit_t2 = squared_threshold(options.outliers.false_alarm_rate, n);
+  const double rate = options.outliers.false_alarm_rate;
+  const std::size_t trimmed_to = std::max(least_kept, (n + 4) / 2);
   const bool is_sigma_known = c.sigma > 0;
-  const Rule rule = is_sigma_known ? Rule{unit_t2 * c.sigma * c.sigma, least_kept}
-                                   : Rule{0, std::max(least_kept, (n + 4) / 2)};
+  const Rule rule = is_sigma_known
+                        ? Rule{squared_threshold(rate, n) * c.sigma * c.sigma, least_kept}
+                        : Rule{0, trimmed_to};
   const Search search = best_pose(c, initial, rule, options.lspe);
   if (!std::isfinite(search.best.cost)) return estimate_of_failure(PoseStatus::kDegenerate);
-  Refined refined =
-      is_sigma_known ? refine(c, search.best.cam_from_centred, rule, options.lspe)
-                     : refine_with_sigma(c, search.best, rule, least_kept, unit_t2, options.lspe);
+  Refined refined = is_sigma_known ? refine(c, search.best.cam_from_centred, rule, options.lspe)
+                                   : refine_with_sigma(c, search.best, trimmed_to, least_kept,
+                                                       tail_probability(rate, n), options.lspe);
   refined.solution.iterations += search.iterations;
   return estimate_from_least_squares(refined.solution, c.points, zeros_of(refined.weights));
 }
