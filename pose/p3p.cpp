@@ -22,6 +22,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include <Eigen/Geometry>
@@ -222,30 +223,71 @@ bool is_triangle(const Eigen::Vector3d& d12, const Eigen::Vector3d& d13) {
   return d12.cross(d13).norm() > kCollinear * std::max(d12.squaredNorm(), d13.squaredNorm());
 }
 
+Sides scaled(const Sides& sides, double by) {
+  return {sides[0] / by, sides[1] / by, sides[2] / by};
+}
+
+/// The problem in the variables of the head of this file.
+struct Setup {
+  Eigen::Vector3d point_1_in_target, d12_in_target, d13_in_target;
+  std::array<Eigen::Vector3d, 3> rays;  ///< unit
+  Sides sides;                          ///< squared
+  Sides h;
+  double e = 0;
+};
+
+std::optional<Setup> set_up(const std::array<Eigen::Vector3d, 3>& points_in_target,
+                            const std::array<Eigen::Vector3d, 3>& rays_in_cam) {
+  for (const Eigen::Vector3d& ray : rays_in_cam) {
+    if (!(ray.z() > 0)) return std::nullopt;
+  }
+  Setup s;
+  s.point_1_in_target = points_in_target[0];
+  s.d12_in_target = points_in_target[1] - points_in_target[0];
+  s.d13_in_target = points_in_target[2] - points_in_target[0];
+  for (std::size_t i = 0; i < 3; ++i) s.rays[i] = rays_in_cam[i].normalized();
+  s.sides = {s.d12_in_target.squaredNorm(), s.d13_in_target.squaredNorm(),
+             (points_in_target[2] - points_in_target[1]).squaredNorm()};
+  const Sides chords = {(s.rays[1] - s.rays[0]).squaredNorm(),
+                        (s.rays[2] - s.rays[0]).squaredNorm(),
+                        (s.rays[2] - s.rays[1]).squaredNorm()};
+  if (!is_triangle(s.d12_in_target, s.d13_in_target)) return std::nullopt;
+  if (!std::isfinite(s.sides[0] + s.sides[1] + s.sides[2])) return std::nullopt;
+  for (const double chord : chords) {
+    if (!(chord > kSameRay * kSameRay)) return std::nullopt;
+  }
+  s.e = std::sqrt(std::ranges::max(chords));
+  s.h = scaled(chords, s.e * s.e);
+  return s;
+}
+
+/// The pose at a common point (p, q) of the conics; none where a point is not in front.
+std::optional<Pose> pose_at(const Setup& s, double p, double q) {
+  const double u = 1 + s.e * p;
+  const double v = 1 + s.e * q;
+  // All three equations together, so that no side that is short spoils the scale.
+  const double sum = p * p + s.h[0] * u + q * q + s.h[1] * v + (p - q) * (p - q) + s.h[2] * u * v;
+  const double depth = std::sqrt((s.sides[0] + s.sides[1] + s.sides[2]) / sum) / s.e;
+  if (!(u > 0 && v > 0 && depth > 0 && std::isfinite(depth))) return std::nullopt;
+  const Eigen::Vector3d d12_in_cam = depth * (s.e * p * s.rays[1] + (s.rays[1] - s.rays[0]));
+  const Eigen::Vector3d d13_in_cam = depth * (s.e * q * s.rays[2] + (s.rays[2] - s.rays[0]));
+  if (!is_triangle(d12_in_cam, d13_in_cam)) return std::nullopt;
+  Pose cam_from_target;
+  cam_from_target.rotation = triangle_frame(d12_in_cam, d13_in_cam) *
+                             triangle_frame(s.d12_in_target, s.d13_in_target).transpose();
+  cam_from_target.translation = depth * s.rays[0] - cam_from_target.rotation * s.point_1_in_target;
+  return cam_from_target;
+}
+
 }  // namespace
 
 P3pPoses p3p(const std::array<Eigen::Vector3d, 3>& points_in_target,
              const std::array<Eigen::Vector3d, 3>& rays_in_cam) {
   P3pPoses poses;
-  const Eigen::Vector3d d12_in_target = points_in_target[1] - points_in_target[0];
-  const Eigen::Vector3d d13_in_target = points_in_target[2] - points_in_target[0];
-  const Eigen::Vector3d d23_in_target = points_in_target[2] - points_in_target[1];
-  const std::array<Eigen::Vector3d, 3> y = {
-      rays_in_cam[0].normalized(), rays_in_cam[1].normalized(), rays_in_cam[2].normalized()};
-  const Sides chords = {(y[1] - y[0]).squaredNorm(), (y[2] - y[0]).squaredNorm(),
-                        (y[2] - y[1]).squaredNorm()};
-  const Sides sides = {d12_in_target.squaredNorm(), d13_in_target.squaredNorm(),
-                       d23_in_target.squaredNorm()};
-  const double longest = *std::ranges::max_element(sides);
-  if (!is_triangle(d12_in_target, d13_in_target) || !std::isfinite(longest)) return poses;
-  if (!(std::ranges::min(chords) > kSameRay * kSameRay)) return poses;
-
-  const double e = std::sqrt(std::ranges::max(chords));
-  const auto scaled = [](const Sides& s, double by) {
-    return Sides{s[0] / by, s[1] / by, s[2] / by};
-  };
-  const Sides h = scaled(chords, e * e);
-  ConicPair conics = eliminate_scale(side_conics(h, e), scaled(sides, longest));
+  const std::optional<Setup> s = set_up(points_in_target, rays_in_cam);
+  if (!s) return poses;
+  ConicPair conics = eliminate_scale(side_conics(s->h, s->e),
+                                     scaled(s->sides, *std::ranges::max_element(s->sides)));
   // The pencil's parameter then stays finite.
   if (std::abs(conics.a.determinant()) > std::abs(conics.b.determinant())) {
     std::swap(conics.a, conics.b);
@@ -255,23 +297,10 @@ P3pPoses p3p(const std::array<Eigen::Vector3d, 3>& points_in_target,
   Candidates candidates;
   intersect(lines.first, conics.b, candidates);
   intersect(lines.second, conics.b, candidates);
-
-  const Eigen::Matrix3d frame_in_target = triangle_frame(d12_in_target, d13_in_target);
   for (std::size_t k = 0; k < candidates.count; ++k) {
     const std::optional<Eigen::Vector2d> x = polished(conics, candidates.values[k]);
-    if (!x) continue;
-    const double p = x->x(), q = x->y();
-    const double sum_of_sides = p * p + h[0] * (1 + e * p) + q * q + h[1] * (1 + e * q) +
-                                (p - q) * (p - q) + h[2] * (1 + e * p) * (1 + e * q);
-    const double depth = std::sqrt((sides[0] + sides[1] + sides[2]) / sum_of_sides) / e;
-    const bool is_in_front = 1 + e * p > 0 && 1 + e * q > 0 && depth > 0 && std::isfinite(depth);
-    if (!is_in_front) continue;
-    const Eigen::Vector3d d12_in_cam = depth * (e * p * y[1] + (y[1] - y[0]));
-    const Eigen::Vector3d d13_in_cam = depth * (e * q * y[2] + (y[2] - y[0]));
-    if (!is_triangle(d12_in_cam, d13_in_cam)) continue;
-    Pose& pose = poses.cam_from_target[poses.count++];
-    pose.rotation = triangle_frame(d12_in_cam, d13_in_cam) * frame_in_target.transpose();
-    pose.translation = depth * y[0] - pose.rotation * points_in_target[0];
+    const std::optional<Pose> pose = x ? pose_at(*s, x->x(), x->y()) : std::nullopt;
+    if (pose) poses.cam_from_target[poses.count++] = *pose;
   }
   return poses;
 }

@@ -20,10 +20,10 @@ struct P3pPoses {
 };
 
 /// Every pose that puts three points (metres, any unit will do) on three rays of the camera, given
-/// by vectors of any length and all with positive z, in front of the camera. None when a number is
-/// not finite, the points are collinear, two rays coincide, or there is no such pose. Two poses
-/// that coincide may come twice. Where two solutions merge (a double root) each is accurate to
-/// the square root of rounding.
+/// by vectors of any length, in front of the camera. None when a number is not finite, a ray has no
+/// positive z, the points are collinear, two rays coincide, or there is no such pose. Two poses
+/// that coincide may come twice. Where two solutions merge (a double root) each is accurate to the
+/// square root of rounding.
 ///
 /// Intersects two conics: Ding, Yang, Larsson, Olsson, Astrom, "Revisiting the P3P problem", CVPR
 /// 2023, after Persson and Nordberg, "Lambda Twist", ECCV 2018. What is ours stands in p3p.cpp.
