@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstdint>
 #include <numeric>
 
 #include <Eigen/Cholesky>
@@ -51,16 +50,9 @@ std::optional<LocalModel> weighted_model(const WhitenedCorrespondences& c,
   return model;
 }
 
-/// The finaliser of SplitMix64 (Steele, Lea, Flood, OOPSLA 2014).
-std::uint64_t mixed(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
-
 std::uint64_t hash_of(const Eigen::Vector2d& pixel) {
-  return mixed(std::bit_cast<std::uint64_t>(pixel.x()) +
-               0x9e3779b97f4a7c15u * mixed(std::bit_cast<std::uint64_t>(pixel.y())));
+  const std::uint64_t v = mixed_bits(std::bit_cast<std::uint64_t>(pixel.y()));
+  return mixed_bits(std::bit_cast<std::uint64_t>(pixel.x()) + 0x9e3779b97f4a7c15u * v);
 }
 
 }  // namespace
@@ -75,7 +67,8 @@ PreparedWhitened prepare_whitened(const PoseProblem& problem) {
   result.status = PoseStatus::kDegenerate;
   if (problem.covariances_px2.empty()) {
     if (!(problem.sigma_px >= 0) || !std::isfinite(problem.sigma_px)) return result;
-    c.sigma = problem.sigma_px;
+    const bool is_known = problem.sigma_px > 0;
+    c.sigma = is_known ? std::clamp(problem.sigma_px, kSmallestSigma, kLargestSigma) : 0;
     result.status = PoseStatus::kOk;
     return result;
   }
@@ -171,6 +164,12 @@ double sigma_from_median(std::span<const double> squared_residuals) {
   const double left = static_cast<double>(n - 3) / static_cast<double>(n);
   const double sigma = std::sqrt(median / (2 * std::log(2.0) * left));
   return std::isfinite(sigma) ? std::max(sigma, kSmallestSigma) : kSmallestSigma;
+}
+
+std::uint64_t mixed_bits(std::uint64_t x) {
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+  return x ^ (x >> 31);
 }
 
 std::vector<std::size_t> canonical_order(const Correspondences& c) {

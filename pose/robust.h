@@ -5,7 +5,9 @@
 // the noise, the threshold that separates noise from outliers, and M-estimation of a pose.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -21,13 +23,16 @@ namespace sightline {
 /// more, of which one may then be judged by the others.
 inline constexpr std::size_t kMinimumKeptPoints = 5;
 
-/// Estimated noise below this (whitened: pixels, or 1 where there are covariances) is rounding.
+/// Noise below this, stated or estimated, is rounding; noise above the other says nothing. (In
+/// pixels, or in whitened units where there are covariances.)
 inline constexpr double kSmallestSigma = 1e-6;
+inline constexpr double kLargestSigma = 1e6;
 
 /// A prepared problem whose residuals are whitened: W_i r_i has covariance sigma^2 I for an inlier.
 /// With covariances C_i, W_i^T W_i = C_i^-1 (carried through the lens) and sigma = 1; without, W_i
-/// = I and sigma = PoseProblem::sigma_px. A solver's unit_covariance then is that for noise of the
-/// covariances given, or for unit noise where there are none.
+/// = I and sigma = PoseProblem::sigma_px, taken into [kSmallestSigma, kLargestSigma] unless 0. A
+/// solver's unit_covariance then is that for noise of the covariances given, or for unit noise
+/// where there are none.
 struct WhitenedCorrespondences {
   Correspondences points;
   std::vector<Eigen::Matrix2d> whitening;  ///< empty: identities
@@ -77,6 +82,10 @@ std::size_t removal_limit(const OutlierOptions& options, std::size_t n);
 /// sigma from the median of squared residuals of a fit of six parameters: that of chi2_2 is 2 ln 2,
 /// and the fit takes six of the 2n degrees of freedom. At least kSmallestSigma.
 double sigma_from_median(std::span<const double> squared_residuals);
+
+/// A number in which every bit depends on every bit of `x`: the finaliser of SplitMix64 (Steele,
+/// Lea, Flood, OOPSLA 2014).
+std::uint64_t mixed_bits(std::uint64_t x);
 
 /// An order of the points that depends neither on the order in which they are given nor on the
 /// target's frame or unit: by a hash of their pixels. For solvers that draw from a fixed-seed

@@ -30,6 +30,7 @@ namespace sightline {
 namespace {
 
 constexpr double kMuFactor = 1.4;
+constexpr double kLargestMu = 1e20;
 constexpr int kStageIterations = 2;
 constexpr double kStageTolerance = 1e-3;
 constexpr double kWeightAtBound = 0.25;
@@ -58,7 +59,7 @@ RobustFit fit_gnc(const WhitenedCorrespondences& c, const Pose& start, double un
   Pose pose = all.cam_from_centred;
   int iterations = all.iterations + (huber ? huber->iterations : 0);
   const double largest = std::ranges::max(squared_residuals(c, pose));
-  for (double mu = 2 * largest / c2; mu > 1; mu /= kMuFactor) {
+  for (double mu = std::min(2 * largest / c2, kLargestMu); mu > 1; mu /= kMuFactor) {
     const RobustFit stage =
         minimise_loss(c, pose, GemanMcClureLoss{mu * c2}, kStageIterations, kStageTolerance);
     pose = stage.cam_from_centred;

@@ -34,7 +34,7 @@ constexpr double kConfidence = 0.99;
 constexpr double kThresholdOfUnknownNoisePx = 8;  // OpenCV's default
 
 double threshold_px(const PoseProblem& problem, double false_alarm_rate) {
-  double variance_px2 = problem.sigma_px * problem.sigma_px;
+  double variance_px2 = std::pow(std::min(problem.sigma_px, kLargestSigma), 2);
   if (!problem.covariances_px2.empty()) {
     variance_px2 = 0;
     for (const Eigen::Matrix2d& covariance : problem.covariances_px2) {

@@ -54,26 +54,28 @@ struct Candidate {
   double cost = std::numeric_limits<double>::infinity();
 };
 
-double smallest_kept(std::vector<double> squares, std::size_t count) {
+/// The count-th smallest.
+double order_statistic(std::vector<double> squares, std::size_t count) {
   const auto last = squares.begin() + static_cast<std::ptrdiff_t>(count - 1);
   std::ranges::nth_element(squares, last);
   return *last;
 }
 
-double cost_of(std::vector<double> squares, const Rule& rule) {
-  double cost = 0;
+double cost_of(const std::vector<double>& squares, const Rule& rule) {
   if (rule.t2 > 0) {
+    double cost = 0;
     for (const double r2 : squares) cost += std::min(r2, rule.t2);
     return cost;
   }
-  const auto end = squares.begin() + static_cast<std::ptrdiff_t>(rule.least);
-  std::ranges::nth_element(squares, end - 1);
-  return std::accumulate(squares.begin(), end, 0.0);
+  std::vector<double> sorted = squares;
+  const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(rule.least);
+  std::ranges::nth_element(sorted, end - 1);
+  return std::accumulate(sorted.begin(), end, 0.0);
 }
 
 /// Weight 1 for the points of the consensus, 0 for the others.
 std::vector<double> consensus_of(const std::vector<double>& squares, const Rule& rule) {
-  const double bound = std::max(rule.t2, smallest_kept(squares, rule.least));
+  const double bound = std::max(rule.t2, order_statistic(squares, rule.least));
   std::vector<double> weights(squares.size());
   for (std::size_t i = 0; i < squares.size(); ++i) {
     weights[i] = squares[i] <= bound && std::isfinite(squares[i]) ? 1 : 0;
@@ -110,15 +112,12 @@ Refined refine(const WhitenedCorrespondences& c, const Pose& start, const Rule& 
   return best;
 }
 
-/// A stream of pseudo-random numbers with a fixed seed: SplitMix64 (Steele, Lea, Flood, 2014).
+/// A stream of pseudo-random numbers with a fixed seed (SplitMix64).
 class Stream {
  public:
   std::size_t below(std::size_t bound) {
     state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t x = state_;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<std::size_t>((x ^ (x >> 31)) % bound);
+    return static_cast<std::size_t>(mixed_bits(state_) % bound);
   }
 
  private:

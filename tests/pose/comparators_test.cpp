@@ -185,6 +185,18 @@ TEST_P(EveryComparator, OddOptionsGiveNoNaN) {
   }
 }
 
+TEST_P(EveryComparator, OddSigmaGivesNoNaN) {
+  Draw draw(19);
+  for (const double sigma_px : {1e-300, 1e-12, 1e5, 1e12, 1e300}) {
+    Synthetic s = cube_problem(1, draw);
+    add_outlier(s.problem, 2, 200, draw);
+    s.problem.sigma_px = sigma_px;
+    const PoseEstimate estimate = solve(GetParam(), s.problem);
+    EXPECT_TRUE(is_free_of_nan(estimate));
+    EXPECT_EQ(estimate.removed.empty() && estimate.status == PoseStatus::kOk, sigma_px > 1);
+  }
+}
+
 TEST_P(EveryComparator, RandomPixelsWithKnownSigmaGiveNoNaN) {
   Draw draw(12);
   for (int i = 0; i < 100; ++i) {
