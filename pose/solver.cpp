@@ -16,6 +16,19 @@ constexpr std::array kCatalogue = {
                kMinimumPosePoints, false, solve_orpe},
     PoseSolver{"orpe_weighed", "every small set of removals, weighed by likelihood",
                kMinimumPosePoints, false, solve_orpe_weighed},
+    PoseSolver{"drop_largest", "least squares, dropping the largest studentised residual in turn",
+               kMinimumPosePoints, false, solve_drop_largest},
+    PoseSolver{"huber", "Huber's M-estimator", kMinimumPosePoints, false, solve_huber},
+    PoseSolver{"huber_tukey", "Tukey's biweight M-estimator from Huber's", kMinimumPosePoints,
+               false, solve_huber_tukey},
+    PoseSolver{"gnc", "graduated non-convexity, Geman-McClure", kMinimumPosePoints, false,
+               solve_gnc},
+    PoseSolver{"ransac_p3p", "consensus over three-point poses, refined by least squares",
+               kMinimumPosePoints, false, solve_ransac_p3p},
+#ifdef SIGHTLINE_POSE_OPENCV
+    PoseSolver{"opencv_ransac", "OpenCV's solvePnPRansac with SQPnP, refined by least squares",
+               kMinimumPosePoints, false, solve_opencv_ransac},
+#endif
     PoseSolver{"oracle", "least squares on the true inliers", kMinimumPosePoints, true,
                solve_oracle},
 };

@@ -95,6 +95,8 @@ TEST(Layers, AForbiddenArrowWouldBeSeen) {
 
 TEST(Layers, PoseNeedsNothingButEigen) {
   for (const Include& include : includes_below("pose")) {
+    // The comparator that CMake's SIGHTLINE_POSE_OPENCV leaves out.
+    if (include.file.filename() == "opencv_ransac.cpp") continue;
     const bool is_standard = include.name.find_first_of("/.") == std::string::npos;
     EXPECT_TRUE(include.is_quoted || is_standard || include.name.starts_with("Eigen/"))
         << include.file << " includes <" << include.name << ">";

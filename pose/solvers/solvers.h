@@ -9,9 +9,16 @@
 
 namespace sightline {
 
+PoseEstimate solve_drop_largest(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_gnc(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_huber(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_huber_tukey(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_lspe(const PoseProblem& problem, const SolverOptions& options);
+/// Compiled only where CMake's SIGHTLINE_POSE_OPENCV is ON.
+PoseEstimate solve_opencv_ransac(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_oracle(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_orpe_weighed(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_ransac_p3p(const PoseProblem& problem, const SolverOptions& options);
 
 }  // namespace sightline

@@ -145,7 +145,13 @@ bool is_surely_degenerate(const Recipe& r) {
          r.pixels == Pixels::kNotFinite;
 }
 
-void check_estimate(const Recipe& r, const PoseProblem& problem, const PoseEstimate& e) {
+/// M-estimators use every point, and only report whose weight is small: that may be most of them.
+bool only_weighs(const PoseSolver& solver) {
+  return solver.name == "huber" || solver.name == "huber_tukey" || solver.name == "gnc";
+}
+
+void check_estimate(const Recipe& r, const PoseProblem& problem, bool is_weighing,
+                    const PoseEstimate& e) {
   RC_ASSERT(bool(is_free_of_nan(e)));
   RC_ASSERT(e.covariance.allFinite());
   RC_ASSERT(e.removed_probability >= 0 && e.removed_probability <= 1);
@@ -155,7 +161,7 @@ void check_estimate(const Recipe& r, const PoseProblem& problem, const PoseEstim
   RC_ASSERT(!is_surely_degenerate(r));
   RC_ASSERT(r.points >= (r.start == Start::kFree ? 4 : 3));
   RC_ASSERT(is_valid(e.cam_from_target));
-  RC_ASSERT(r.points - static_cast<int>(e.removed.size()) >= 3);
+  RC_ASSERT(is_weighing || r.points - static_cast<int>(e.removed.size()) >= 3);
   for (int i = 0; i < r.points; ++i) {
     if (std::ranges::count(e.removed, i) > 0) continue;
     RC_ASSERT((e.cam_from_target * problem.points_in_target[i]).z() > 0);
@@ -180,7 +186,7 @@ TEST_P(EverySolverWhatever, ReturnsARigidPoseOrSaysWhyNot) {
     const PoseProblem problem = make(recipe);
     const PoseEstimate estimate = solver.solve(problem, {});
     ok += estimate.status == PoseStatus::kOk;
-    check_estimate(recipe, problem, estimate);
+    check_estimate(recipe, problem, only_weighs(solver), estimate);
   }));
   EXPECT_GT(ok, 100);  // otherwise the recipes prove nothing
 }
