@@ -18,6 +18,7 @@ namespace sightline {
 namespace {
 
 namespace any_cpu {
+constexpr std::size_t kChains = 2;
 #include "pose/orientation_kernels_body.h"
 }  // namespace any_cpu
 
@@ -25,12 +26,14 @@ namespace any_cpu {
 #pragma GCC push_options
 #pragma GCC target("avx2,fma")
 namespace with_avx2 {
+constexpr std::size_t kChains = 2;
 #include "pose/orientation_kernels_body.h"
 }  // namespace with_avx2
 #pragma GCC pop_options
 #pragma GCC push_options
 #pragma GCC target("avx2,fma,avx512f,avx512vl,avx512dq")
 namespace with_avx512 {
+constexpr std::size_t kChains = 4;
 #include "pose/orientation_kernels_body.h"
 }  // namespace with_avx512
 #pragma GCC pop_options
@@ -60,26 +63,28 @@ bool has_avx2() {
 }
 
 bool has_avx512() {
-  return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-         __builtin_cpu_supports("avx512dq") && has_avx2();
+  return has_avx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+         __builtin_cpu_supports("avx512dq");
 }
 #endif
 
 }  // namespace
 
+const OrientationKernels* orientation_kernels(std::size_t rank) {
+  std::size_t better = 0;
 #if SIGHTLINE_CPU_VERSIONS
-#define SIGHTLINE_BEST_FOR_CPU(call) \
-  (has_avx512() ? with_avx512::call : has_avx2() ? with_avx2::call : any_cpu::call)
-#else
-#define SIGHTLINE_BEST_FOR_CPU(call) any_cpu::call
+  if (has_avx512() && better++ == rank) return &with_avx512::kKernels;
+  if (has_avx2() && better++ == rank) return &with_avx2::kKernels;
 #endif
+  return better == rank ? &any_cpu::kKernels : nullptr;
+}
 
 PairSums sum_pairs(const PairArrays<double>& arrays) {
-  return SIGHTLINE_BEST_FOR_CPU(sums(arrays));
+  return orientation_kernels(0)->sum_double(arrays);
 }
 
 PairSums sum_pairs(const PairArrays<float>& arrays) {
-  return SIGHTLINE_BEST_FOR_CPU(sums(arrays));
+  return orientation_kernels(0)->sum_float(arrays);
 }
 
 PairSums sum_pairs_plainly(const PairArrays<double>& arrays) {
@@ -95,15 +100,15 @@ CentredSums centred(const PairSums& sums) {
 }
 
 ClosedForm closed_form_rotation(const double b[9]) {
-  return SIGHTLINE_BEST_FOR_CPU(rotation_by_closed_form(b));
+  return orientation_kernels(0)->rotation(b);
 }
 
 ClosedFormPose closed_form_pose(const PairArrays<double>& arrays, double coordinate_epsilon) {
-  return SIGHTLINE_BEST_FOR_CPU(pose_by_closed_form(arrays, coordinate_epsilon));
+  return orientation_kernels(0)->pose_double(arrays, coordinate_epsilon);
 }
 
 ClosedFormPose closed_form_pose(const PairArrays<float>& arrays, double coordinate_epsilon) {
-  return SIGHTLINE_BEST_FOR_CPU(pose_by_closed_form(arrays, coordinate_epsilon));
+  return orientation_kernels(0)->pose_float(arrays, coordinate_epsilon);
 }
 
 }  // namespace sightline

@@ -79,4 +79,17 @@ struct ClosedFormPose {
 ClosedFormPose closed_form_pose(const PairArrays<double>& arrays, double coordinate_epsilon);
 ClosedFormPose closed_form_pose(const PairArrays<float>& arrays, double coordinate_epsilon);
 
+/// The functions above in one version.
+struct OrientationKernels {
+  PairSums (*sum_double)(const PairArrays<double>&);
+  PairSums (*sum_float)(const PairArrays<float>&);
+  ClosedForm (*rotation)(const double b[9]);
+  ClosedFormPose (*pose_double)(const PairArrays<double>&, double coordinate_epsilon);
+  ClosedFormPose (*pose_float)(const PairArrays<float>&, double coordinate_epsilon);
+};
+
+/// The versions that this CPU can run, rank 0 the best, which the functions above call; null beyond
+/// the last. For tests.
+const OrientationKernels* orientation_kernels(std::size_t rank);
+
 }  // namespace sightline

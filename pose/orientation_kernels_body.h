@@ -6,7 +6,8 @@
 //
 // The sums: one pass, four lanes. Lane j of row i sums y_i x_j; x_3 = 1 gives the sums of the
 // points for nothing. Point k is one load of x (with the number after it, which lane 3 discards)
-// and three broadcast loads of y. Two chains of sums hide the latency of the additions.
+// and three broadcast loads of y. kChains chains of sums, as many as there are registers for, hide
+// the latency of the additions.
 
 using Vector4d [[gnu::vector_size(4 * sizeof(double))]] = double;
 using Vector4f [[gnu::vector_size(4 * sizeof(float))]] = float;
@@ -45,11 +46,13 @@ inline Origins origins_of(const double* a, const double* b) {
   Origins origins;
   origins.minus_a_and_one = Vector4d{-a[0], -a[1], -a[2], 1};
   for (int i = 0; i < 3; ++i) {
-    origins.b[i] = Vector4d{b[i], b[i], b[i], b[i]};
-#ifdef __AVX__
-    // Or GCC, seeing equal lanes, subtracts before it broadcasts: an instruction more.
-    __asm__("" : "+x"(origins.b[i]));
+    // A fourth lane that GCC cannot know to be the same; or it subtracts before it broadcasts,
+    // which takes an instruction more.
+    double same = b[i];
+#ifdef __x86_64__
+    __asm__("" : "+x"(same));
 #endif
+    origins.b[i] = Vector4d{b[i], b[i], b[i], same};
   }
   return origins;
 }
@@ -75,15 +78,22 @@ constexpr std::size_t kBlock = 8192;
 template <bool kWeighted, typename Scalar>
 inline void add_block(const PairArrays<Scalar>& p, std::size_t begin, std::size_t end,
                       const Origins& origins, Rows& rows) {
-  const auto weight = [&p](std::size_t k) { return kWeighted ? p.weights[k] : 1.0; };
-  Rows even, odd;
+  const auto add = [&](std::size_t k, Rows& to) {
+    add_pair<kWeighted>(load3(p.a + 3 * k), p.b + 3 * k, kWeighted ? p.weights[k] : 1.0, origins,
+                        to);
+  };
   std::size_t k = begin;
-  for (; k + 2 <= end; k += 2) {
-    add_pair<kWeighted>(load3(p.a + 3 * k), p.b + 3 * k, weight(k), origins, even);
-    add_pair<kWeighted>(load3(p.a + 3 * k + 3), p.b + 3 * k + 3, weight(k + 1), origins, odd);
+  if (end - begin >= 2 * kChains) {
+    Rows chains[kChains];
+    for (; k + kChains <= end; k += kChains) {
+#pragma GCC unroll 8
+      for (std::size_t c = 0; c < kChains; ++c) add(k + c, chains[c]);
+    }
+    for (const Rows& chain : chains) {
+      for (int i = 0; i < 4; ++i) rows.row[i] += chain.row[i];
+    }
   }
-  if (k < end) add_pair<kWeighted>(load3(p.a + 3 * k), p.b + 3 * k, weight(k), origins, even);
-  for (int i = 0; i < 4; ++i) rows.row[i] += even.row[i] + odd.row[i];
+  for (; k < end; ++k) add(k, rows);
 }
 
 template <bool kWeighted, typename Scalar>
@@ -336,3 +346,6 @@ inline ClosedForm rotation_by_closed_form(const double b[9]) {
   write(rotation.a, result.rotation);
   return result;
 }
+
+constexpr OrientationKernels kKernels = {sums<double>, sums<float>, rotation_by_closed_form,
+                                         pose_by_closed_form<double>, pose_by_closed_form<float>};

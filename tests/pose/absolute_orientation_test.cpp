@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pose/absolute_orientation.h"
 
+#include <array>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -92,6 +93,7 @@ class GapTest : public testing::TestWithParam<double> {};
 TEST_P(GapTest, IsAsAccurateAsTheSvd) {
   constexpr int kDraws = 1000;
   constexpr double kAllowedRatio = 2;
+  constexpr std::size_t kMaxVersions = 4;
   const double gap = GetParam();
   // Rods, planes edge on, and mirrored clouds (det B < 0), by their singular values.
   const Vector3l rod(1, 0.6 * gap, 0.4 * gap);
@@ -102,6 +104,7 @@ TEST_P(GapTest, IsAsAccurateAsTheSvd) {
   for (const Vector3l& s : {rod, flat_rod, mirrored, thin_mirrored}) {
     double sum2 = 0;
     double svd_sum2 = 0;
+    std::array<double, kMaxVersions> version_sum2 = {};  // of the code for each kind of CPU
     for (int i = 0; i < kDraws; ++i) {
       const Matrix3l u = draw_rotation_long(draw);
       const Matrix3l v = draw_rotation_long(draw);
@@ -111,11 +114,21 @@ TEST_P(GapTest, IsAsAccurateAsTheSvd) {
       const OrientationEstimate estimate = fast_rotation(b);
       ASSERT_EQ(estimate.status, OrientationStatus::kOk) << "singular values " << s.transpose();
       ASSERT_TRUE(is_valid(estimate.b_from_a));
+      for (std::size_t rank = 0; orientation_kernels(rank); ++rank) {
+        ASSERT_LT(rank, kMaxVersions);
+        const ClosedForm closed = orientation_kernels(rank)->rotation(b.data());
+        if (!closed.is_precise) continue;
+        const Eigen::Matrix3d rotation(closed.rotation);
+        version_sum2[rank] += std::pow(error_rad(rotation, reference), 2);
+      }
       sum2 += std::pow(error_rad(estimate.b_from_a.rotation, reference), 2);
       svd_sum2 += std::pow(error_rad(rotation_by_svd(b), reference), 2);
     }
     EXPECT_LE(std::sqrt(sum2), kAllowedRatio * std::sqrt(svd_sum2))
         << "singular values " << s.transpose();
+    for (const double of_version : version_sum2) {
+      EXPECT_LE(std::sqrt(of_version), kAllowedRatio * std::sqrt(svd_sum2));
+    }
   }
 }
 
@@ -289,22 +302,20 @@ Points in_double(const FloatPoints& points) {
   return result;
 }
 
-template <typename Scalar>
-void expect_sums_equal_plain_loops(const std::vector<Eigen::Matrix<Scalar, 3, 1>>& a,
-                                   const std::vector<Eigen::Matrix<Scalar, 3, 1>>& b,
-                                   const double* weights) {
-  const PairArrays<Scalar> arrays = {a[0].data(), b[0].data(), weights,
-                                     a.size(),    {1, -2, 3},  {-3, 2, 1}};
-  const PairSums sums = sum_pairs(arrays);
-  const PairSums expected = sum_pairs_plainly(arrays);
+void expect_sums_near(const PairSums& actual, const PairSums& expected, double n) {
   // Terms of up to 20^2, and the plain sum rounds once a point.
-  const double n = static_cast<double>(a.size());
   for (int i = 0; i < 4; ++i) {
     for (int j = 0; j < 4; ++j) {
-      EXPECT_NEAR(sums.rows[i][j], expected.rows[i][j], 400 * n * std::sqrt(n) * kEpsilon)
-          << a.size();
+      EXPECT_NEAR(actual.rows[i][j], expected.rows[i][j], 400 * n * std::sqrt(n) * kEpsilon) << n;
     }
   }
+}
+
+template <typename Scalar>
+PairArrays<Scalar> arrays_of(const std::vector<Eigen::Matrix<Scalar, 3, 1>>& a,
+                             const std::vector<Eigen::Matrix<Scalar, 3, 1>>& b,
+                             const double* weights) {
+  return {a[0].data(), b[0].data(), weights, a.size(), {1, -2, 3}, {-3, 2, 1}};
 }
 
 TEST(PairSums, EqualPlainLoops) {
@@ -315,8 +326,15 @@ TEST(PairSums, EqualPlainLoops) {
     for (int i = 0; i < n; ++i) weights.push_back(draw.uniform(0, 2));
     const double* const none = nullptr;
     for (const double* w : {none, static_cast<const double*>(weights.data())}) {
-      expect_sums_equal_plain_loops<double>(cloud.in_a, cloud.in_b, w);
-      expect_sums_equal_plain_loops<float>(in_float(cloud.in_a), in_float(cloud.in_b), w);
+      const FloatPoints float_a = in_float(cloud.in_a);
+      const FloatPoints float_b = in_float(cloud.in_b);
+      const PairArrays<double> doubles = arrays_of<double>(cloud.in_a, cloud.in_b, w);
+      const PairArrays<float> floats = arrays_of<float>(float_a, float_b, w);
+      for (std::size_t rank = 0; orientation_kernels(rank); ++rank) {
+        const OrientationKernels& kernels = *orientation_kernels(rank);
+        expect_sums_near(kernels.sum_double(doubles), sum_pairs_plainly(doubles), n);
+        expect_sums_near(kernels.sum_float(floats), sum_pairs_plainly(floats), n);
+      }
     }
   }
 }
