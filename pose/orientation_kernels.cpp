@@ -18,7 +18,7 @@ namespace sightline {
 namespace {
 
 namespace any_cpu {
-constexpr std::size_t kChains = 2;
+constexpr bool kHasEightLanes = false;
 #include "pose/orientation_kernels_body.h"
 }  // namespace any_cpu
 
@@ -26,14 +26,14 @@ constexpr std::size_t kChains = 2;
 #pragma GCC push_options
 #pragma GCC target("avx2,fma")
 namespace with_avx2 {
-constexpr std::size_t kChains = 2;
+constexpr bool kHasEightLanes = false;
 #include "pose/orientation_kernels_body.h"
 }  // namespace with_avx2
 #pragma GCC pop_options
 #pragma GCC push_options
 #pragma GCC target("avx2,fma,avx512f,avx512vl,avx512dq")
 namespace with_avx512 {
-constexpr std::size_t kChains = 4;
+constexpr bool kHasEightLanes = true;
 #include "pose/orientation_kernels_body.h"
 }  // namespace with_avx512
 #pragma GCC pop_options

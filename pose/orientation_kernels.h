@@ -9,8 +9,8 @@
 
 namespace sightline {
 
-/// n matched points, each three numbers in a row; their weights (null: all 1); and what is taken
-/// off them before anything is multiplied: x = a - origin_a, y = b - origin_b.
+/// n >= 1 matched points, each three numbers in a row; their weights (null: all 1); and what is
+/// taken off them before anything is multiplied: x = a - origin_a, y = b - origin_b.
 template <typename Scalar>
 struct PairArrays {
   const Scalar* a;
