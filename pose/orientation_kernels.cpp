@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The kernels in one version for each kind of CPU, chosen at every call (a load and a test).
+// The kernels in one version for each kind of CPU, chosen at the first call.
 // This file alone is compiled with -ffp-contract=fast (pose/CMakeLists.txt): where the CPU has a
 // fused multiply-add, sums of products are made of them.
 // (GCC's target_clones would do the same in fewer lines, but builds every vector through memory.)
@@ -79,12 +79,21 @@ const OrientationKernels* orientation_kernels(std::size_t rank) {
   return better == rank ? &any_cpu::kKernels : nullptr;
 }
 
+namespace {
+
+const OrientationKernels& best() {
+  static const OrientationKernels& kernels = *orientation_kernels(0);
+  return kernels;
+}
+
+}  // namespace
+
 PairSums sum_pairs(const PairArrays<double>& arrays) {
-  return orientation_kernels(0)->sum_double(arrays);
+  return best().sum_double(arrays);
 }
 
 PairSums sum_pairs(const PairArrays<float>& arrays) {
-  return orientation_kernels(0)->sum_float(arrays);
+  return best().sum_float(arrays);
 }
 
 PairSums sum_pairs_plainly(const PairArrays<double>& arrays) {
@@ -100,15 +109,17 @@ CentredSums centred(const PairSums& sums) {
 }
 
 ClosedForm closed_form_rotation(const double b[9]) {
-  return orientation_kernels(0)->rotation(b);
+  return best().rotation(b);
 }
 
-ClosedFormPose closed_form_pose(const PairArrays<double>& arrays, double coordinate_epsilon) {
-  return orientation_kernels(0)->pose_double(arrays, coordinate_epsilon);
+bool closed_form_pose(const PairArrays<double>& arrays, double coordinate_epsilon,
+                      double rotation[9], double translation[3]) {
+  return best().pose_double(arrays, coordinate_epsilon, rotation, translation);
 }
 
-ClosedFormPose closed_form_pose(const PairArrays<float>& arrays, double coordinate_epsilon) {
-  return orientation_kernels(0)->pose_float(arrays, coordinate_epsilon);
+bool closed_form_pose(const PairArrays<float>& arrays, double coordinate_epsilon,
+                      double rotation[9], double translation[3]) {
+  return best().pose_float(arrays, coordinate_epsilon, rotation, translation);
 }
 
 }  // namespace sightline

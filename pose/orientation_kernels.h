@@ -68,24 +68,24 @@ struct ClosedForm {
 
 ClosedForm closed_form_rotation(const double b[9]);
 
-/// Sums, rotation and translation in one go, for the good case.
-struct ClosedFormPose {
-  bool is_precise;  ///< false: cancellation, range, gap or input need care; the rest is rubbish
-  double rotation[9];
-  double translation[3];
-};
-
-/// coordinate_epsilon is what the coordinates are rounded to, relative.
-ClosedFormPose closed_form_pose(const PairArrays<double>& arrays, double coordinate_epsilon);
-ClosedFormPose closed_form_pose(const PairArrays<float>& arrays, double coordinate_epsilon);
+/// Sums, rotation (column by column) and translation in one go, for the good case, written where
+/// they shall be: copying what has just been written stalls. False, and nothing written, when
+/// cancellation, range, gap or input need care. coordinate_epsilon is what the coordinates are
+/// rounded to, relative.
+bool closed_form_pose(const PairArrays<double>& arrays, double coordinate_epsilon,
+                      double rotation[9], double translation[3]);
+bool closed_form_pose(const PairArrays<float>& arrays, double coordinate_epsilon,
+                      double rotation[9], double translation[3]);
 
 /// The functions above in one version.
 struct OrientationKernels {
   PairSums (*sum_double)(const PairArrays<double>&);
   PairSums (*sum_float)(const PairArrays<float>&);
   ClosedForm (*rotation)(const double b[9]);
-  ClosedFormPose (*pose_double)(const PairArrays<double>&, double coordinate_epsilon);
-  ClosedFormPose (*pose_float)(const PairArrays<float>&, double coordinate_epsilon);
+  bool (*pose_double)(const PairArrays<double>&, double coordinate_epsilon, double rotation[9],
+                      double translation[3]);
+  bool (*pose_float)(const PairArrays<float>&, double coordinate_epsilon, double rotation[9],
+                     double translation[3]);
 };
 
 /// The versions that this CPU can run, rank 0 the best, which the functions above call; null beyond

@@ -349,24 +349,24 @@ inline Root largest_root(double norm2, double det, double adjugate_norm2) {
   constexpr double kLastStep = 2e-4;
   constexpr int kMaxIterations = 12;
   const double norm = __builtin_sqrt(norm2);
-  const double twice_det_or_0 = det + __builtin_fabs(det);  // no branch: coplanar points toss coins
-  const double kappa_above = __builtin_sqrt(adjugate_norm2 + kSqrt3 * norm * twice_det_or_0);
-  double mu = __builtin_sqrt(norm2 + 2 * kappa_above) - norm;
+  const double most_det = kSqrt3 * (det + __builtin_fabs(det));  // no branch: n = 3 tosses coins
+  const double kappa_above = __builtin_sqrt(adjugate_norm2 + most_det * norm);
+  double lambda = __builtin_sqrt(norm2 + 2 * kappa_above);
+  double mu = lambda - norm;
+  double kappa = mu * (norm + 0.5 * mu);
+  double xi = kappa * lambda - det;
   for (int i = 0; i < kMaxIterations; ++i) {
-    const double lambda = norm + mu;
-    const double kappa = mu * (norm + 0.5 * mu);
-    const double xi = kappa * lambda - det;
     const double h = kappa * kappa - adjugate_norm2 - 2 * det * lambda;
     const double lambda2 = lambda * lambda;
     const double hq = h * (lambda2 + kappa);
     const double halley = 4 * xi * xi - hq;
     const double step = h * halley / (2 * xi * (halley - hq) + lambda * h * h);
+    const bool is_last = __builtin_fabs(step) * lambda2 <= kLastStep * xi;
     mu -= step;
-    if (__builtin_fabs(step) * lambda2 <= kLastStep * xi) {
-      const double last_lambda = norm + mu;
-      const double last_kappa = mu * (norm + 0.5 * mu);
-      return {true, last_kappa, last_lambda, last_kappa * last_lambda - det};
-    }
+    lambda -= step;
+    kappa = mu * (norm + 0.5 * mu);
+    xi = kappa * lambda - det;
+    if (is_last) return {true, kappa, lambda, xi};
   }
   return {};
 }
@@ -380,7 +380,7 @@ struct Rotation {
 [[gnu::always_inline]] inline Rotation closed_form(const Matrix3& b, double norm2) {
   const Matrix3 adjugate_t = cofactors(b);
   const double det = dot(b.x, adjugate_t.x);
-  const Symmetric3 g = gram(b);
+  const Matrix3 b_gram = b * gram(b);
   const double adjugate_norm2 = dot(adjugate_t.x, adjugate_t.x) + dot(adjugate_t.y, adjugate_t.y) +
                                 dot(adjugate_t.z, adjugate_t.z);
   const auto [is_simple, kappa, lambda, xi] = largest_root(norm2, det, adjugate_norm2);
@@ -388,13 +388,13 @@ struct Rotation {
   const double lambda3 = lambda2 * lambda;
   if (!(is_simple && xi >= kSvdGap * lambda3)) return {};
 
-  // (16), the first and the last term together: B times a symmetric matrix. The division by xi
-  // waits, so that the processor need not.
+  // (16). The division by xi waits, so that the processor need not.
   const double first = kappa + norm2;
-  const Matrix3 b_part =
-      b * Symmetric3{first - g.xx, first - g.yy, first - g.zz, -g.xy, -g.yz, -g.zx};
-  const Matrix3 xi_a = {b_part.x + lambda * adjugate_t.x, b_part.y + lambda * adjugate_t.y,
-                        b_part.z + lambda * adjugate_t.z};
+  const Matrix3 xi_a = {
+      first * b.x + lambda * adjugate_t.x + (-1.0) * b_gram.x,
+      first * b.y + lambda * adjugate_t.y + (-1.0) * b_gram.y,
+      first * b.z + lambda * adjugate_t.z + (-1.0) * b_gram.z,
+  };
   const Matrix3 a = nearer_to_orthonormal(xi_a, 1 / xi);
   const double smallest_gap = xi / lambda2;
   if (xi * xi >= kMirrorGap * kMirrorGap * lambda2 * adjugate_norm2) return {true, smallest_gap, a};
@@ -417,15 +417,14 @@ inline void write(const Matrix3& m, double columns[9]) {
 }
 
 template <typename Scalar>
-inline ClosedFormPose pose_by_closed_form(const PairArrays<Scalar>& p, double coordinate_epsilon) {
+inline bool pose_by_closed_form(const PairArrays<Scalar>& p, double coordinate_epsilon,
+                                double columns[9], double translation[3]) {
   const PairSums s = sums(p);
   const CentredSums c = centre(s, p.weights ? s.rows[3][3] : static_cast<double>(p.n));
-  ClosedFormPose pose;
-  pose.is_precise = false;
-  if (!(c.norm2 >= kSmallestNorm2 && c.norm2 <= kLargestNorm2)) return pose;
-  if (c.subtracted_norm2 > kTolerableCancellation * kTolerableCancellation * c.norm2) return pose;
+  if (!(c.norm2 >= kSmallestNorm2 && c.norm2 <= kLargestNorm2)) return false;
+  if (c.subtracted_norm2 > kTolerableCancellation * kTolerableCancellation * c.norm2) return false;
   const Rotation rotation = closed_form(matrix_from(c.cross), c.norm2);
-  if (!rotation.is_precise) return pose;
+  if (!rotation.is_precise) return false;
   const Vector3 mean_a = {p.origin_a[0] + c.mean_x[0], p.origin_a[1] + c.mean_x[1],
                           p.origin_a[2] + c.mean_x[2]};
   const Vector3 mean_b = {p.origin_b[0] + c.mean_y[0], p.origin_b[1] + c.mean_y[1],
@@ -434,15 +433,14 @@ inline ClosedFormPose pose_by_closed_form(const PairArrays<Scalar>& p, double co
   const double gap = rotation.smallest_gap;
   if (!(gap * gap >
         rounding_per_length2 * rounding_per_length2 * dot(mean_a, mean_a) * dot(mean_b, mean_b))) {
-    return pose;
+    return false;
   }
   const Vector3 t = mean_b + (-1.0) * (rotation.a * mean_a);
-  pose.is_precise = true;
-  write(rotation.a, pose.rotation);
-  pose.translation[0] = t.x;
-  pose.translation[1] = t.y;
-  pose.translation[2] = t.z;
-  return pose;
+  write(rotation.a, columns);
+  translation[0] = t.x;
+  translation[1] = t.y;
+  translation[2] = t.z;
+  return true;
 }
 
 inline ClosedForm rotation_by_closed_form(const double b[9]) {

@@ -51,20 +51,23 @@ OrientationEstimate estimate_with_care(Points<Scalar> points_in_a, Points<Scalar
 }
 
 template <typename Scalar>
-OrientationEstimate estimate(Points<Scalar> points_in_a, Points<Scalar> points_in_b,
-                             std::span<const double> weights) {
+OrientationEstimate estimate_fast(Points<Scalar> points_in_a, Points<Scalar> points_in_b,
+                                  std::span<const double> weights) {
   const std::size_t n = points_in_a.size();
   if (n < 3 || points_in_b.size() != n || !weights.empty()) {
     return estimate_with_care<Scalar>(points_in_a, points_in_b, weights);
   }
   const Scalar* a = points_in_a.data()->data();
   const Scalar* b = points_in_b.data()->data();
-  const ClosedFormPose closed =
-      closed_form_pose(PairArrays<Scalar>{a, b, nullptr, n, {a[0], a[1], a[2]}, {b[0], b[1], b[2]}},
-                       std::numeric_limits<Scalar>::epsilon());
-  if (!closed.is_precise) return estimate_with_care<Scalar>(points_in_a, points_in_b, weights);
-  return {OrientationStatus::kOk,
-          {Eigen::Matrix3d(closed.rotation), Eigen::Vector3d(closed.translation)}};
+  const PairArrays<Scalar> arrays = {a, b, nullptr, n, {a[0], a[1], a[2]}, {b[0], b[1], b[2]}};
+  // Not set to the identity first.
+  OrientationEstimate estimate{OrientationStatus::kOk, {Eigen::Matrix3d(), Eigen::Vector3d()}};
+  Pose& pose = estimate.b_from_a;
+  if (!closed_form_pose(arrays, std::numeric_limits<Scalar>::epsilon(), pose.rotation.data(),
+                        pose.translation.data())) {
+    return estimate_with_care<Scalar>(points_in_a, points_in_b, weights);
+  }
+  return estimate;
 }
 
 double power_of_two_near_inverse(double x) {
@@ -77,13 +80,13 @@ double power_of_two_near_inverse(double x) {
 OrientationEstimate fast_absolute_orientation(std::span<const Eigen::Vector3d> points_in_a,
                                               std::span<const Eigen::Vector3d> points_in_b,
                                               std::span<const double> weights) {
-  return estimate<double>(points_in_a, points_in_b, weights);
+  return estimate_fast<double>(points_in_a, points_in_b, weights);
 }
 
 OrientationEstimate fast_absolute_orientation(std::span<const Eigen::Vector3f> points_in_a,
                                               std::span<const Eigen::Vector3f> points_in_b,
                                               std::span<const double> weights) {
-  return estimate<float>(points_in_a, points_in_b, weights);
+  return estimate_fast<float>(points_in_a, points_in_b, weights);
 }
 
 OrientationEstimate fast_rotation(const Eigen::Matrix3d& b) {
