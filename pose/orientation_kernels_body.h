@@ -6,7 +6,7 @@
 //
 // The sums: one pass, four lanes. Lane j of row i sums y_i x_j; x_3 = 1 gives the sums of the
 // points for nothing. Point k is one load of x (with the number after it, which lane 3 discards)
-// and three broadcast loads of y.
+// and three broadcast loads of y. CPUs with eight lanes take many points eight at a time.
 
 using Vector4d [[gnu::vector_size(4 * sizeof(double))]] = double;
 using Vector4f [[gnu::vector_size(4 * sizeof(float))]] = float;
@@ -341,9 +341,10 @@ struct Root {
 };
 
 /// The largest root of h(mu) = kappa^2 - |adj|^2 - 2 det lambda, a quarter of (23). All four roots
-/// are real, and Halley's steps from above the largest never pass it. h' = 2 xi is twice the
-/// product of its distances from the other roots, so that xi / lambda^2 measures the nearest: after
-/// a step below 2e-4 of that the error is 1e-15 of it. Not simple: (nearly) a double root.
+/// are real; the start lies above the largest, and Householder's steps of third order (error e
+/// becomes e^4) end at it. h' = 2 xi is a quarter of the product of its distances from the other
+/// roots, so that xi / lambda^2 measures the nearest: after a step below 2e-4 of that the error is
+/// 1e-15 of it. Not simple: (nearly) a double root.
 inline Root largest_root(double norm2, double det, double adjugate_norm2) {
   constexpr double kSqrt3 = 1.7320508075688772;  // lambda <= sqrt(3) |B|
   constexpr double kLastStep = 2e-4;

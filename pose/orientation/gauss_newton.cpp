@@ -13,6 +13,7 @@
 // converge slowly). Needs points that are not collinear.
 
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

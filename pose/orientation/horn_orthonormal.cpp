@@ -5,7 +5,7 @@
 // A = sum u_i v_i^T with u_i = B v_i / s_i. Deviation: u_3 is always u_1 x u_2 (the paper does so
 // where s3 = 0), which gives the best rotation also for mirrored points, where B (B^T B)^-1/2 is a
 // reflection. B^T B holds the squares of the singular values, so that half the digits of the small
-// ones are lost: needs a gap of 1e-5, ten million times that of the others, and flags less.
+// ones are lost: needs a gap of 1e-5, and flags less as kDegenerate.
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
