@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The families of benchmarks. To add one: write eval/benchmarks/<family>_bench.cpp with a function
+// that registers `<family>/<method>/<size>` and says what to compare, declare it here, call it in
+// main.cpp, and list the file in CMakeLists.txt.
+#pragma once
+
+#include "eval/benchmarks/ratios.h"
+
+namespace sightline {
+
+Comparison register_absolute_orientation();
+
+}  // namespace sightline

@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <iostream>
+
+#include <benchmark/benchmark.h>
+
+#include "eval/benchmarks/benches.h"
+
+int main(int argc, char** argv) {
+  const std::vector<sightline::Comparison> comparisons = {
+      sightline::register_absolute_orientation(),
+  };
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
+  sightline::RememberingReporter reporter;
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  benchmark::Shutdown();
+  std::cout << sightline::ratio_tables(comparisons, reporter.best_ns());
+  return 0;
+}

@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/benchmarks/ratios.h"
+
+#include <algorithm>
+#include <iomanip>
+#include <optional>
+#include <set>
+#include <sstream>
+
+namespace sightline {
+namespace {
+
+using Times = std::map<std::string, double>;
+
+constexpr int kWidth = 12;
+
+std::optional<double> time_ns(const Times& best_ns, const std::string& family,
+                              const std::string& method, int size) {
+  const auto found = best_ns.find(family + "/" + method + "/" + std::to_string(size));
+  if (found == best_ns.end()) return std::nullopt;
+  return found->second;
+}
+
+std::set<int> sizes_of(const Times& best_ns, const Comparison& comparison) {
+  const std::string prefix = comparison.family + "/" + comparison.ours + "/";
+  std::set<int> sizes;
+  for (const auto& [name, ns] : best_ns) {
+    if (name.starts_with(prefix)) sizes.insert(std::stoi(name.substr(prefix.size())));
+  }
+  return sizes;
+}
+
+std::string row(const Times& best_ns, const Comparison& comparison, int size) {
+  const double ours_ns = *time_ns(best_ns, comparison.family, comparison.ours, size);
+  std::ostringstream line;
+  line << std::fixed << std::setw(kWidth) << size << std::setprecision(ours_ns < 1e3 ? 1 : 0)
+       << std::setw(kWidth) << ours_ns;
+  for (const std::string& peer : comparison.peers) {
+    const int width = std::max(kWidth, static_cast<int>(peer.size()) + 2);
+    const auto peer_ns = time_ns(best_ns, comparison.family, peer, size);
+    if (!peer_ns) {
+      line << std::setw(width + kWidth) << "";
+      continue;
+    }
+    line << std::setprecision(0) << std::setw(width) << *peer_ns << std::setprecision(1)
+         << std::setw(kWidth - 1) << *peer_ns / ours_ns << "x";
+  }
+  return line.str();
+}
+
+std::string heading(const Comparison& comparison) {
+  std::ostringstream line;
+  line << comparison.family << ", CPU time / ns of the fastest repetition, and times ours\n"
+       << std::setw(kWidth) << "size" << std::setw(kWidth) << comparison.ours;
+  for (const std::string& peer : comparison.peers) {
+    const int width = std::max(kWidth, static_cast<int>(peer.size()) + 2);
+    line << std::setw(width) << peer << std::setw(kWidth) << "";
+  }
+  return line.str();
+}
+
+}  // namespace
+
+void RememberingReporter::ReportRuns(const std::vector<Run>& runs) {
+  for (const Run& run : runs) {
+    if (run.error_occurred || run.run_type != Run::RT_Iteration) continue;
+    const double ns = run.cpu_accumulated_time / static_cast<double>(run.iterations) * 1e9;
+    const auto [best, is_new] = best_ns_.emplace(run.run_name.function_name, ns);
+    if (!is_new) best->second = std::min(best->second, ns);
+  }
+  ConsoleReporter::ReportRuns(runs);
+}
+
+std::string ratio_tables(const std::vector<Comparison>& comparisons, const Times& best_ns) {
+  std::ostringstream text;
+  for (const Comparison& comparison : comparisons) {
+    const std::set<int> sizes = sizes_of(best_ns, comparison);
+    if (sizes.empty()) continue;
+    text << '\n' << heading(comparison) << '\n';
+    for (const int size : sizes) text << row(best_ns, comparison, size) << '\n';
+  }
+  return text.str();
+}
+
+}  // namespace sightline
