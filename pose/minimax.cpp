@@ -410,6 +410,38 @@ std::optional<Matrix6d> unit_covariance(const FitPoints& points, const Pose& cam
   return inverse_information(information);
 }
 
+PoseEstimate with_pose(PoseEstimate estimate, const FitPoints& points,
+                       const Pose& cam_from_centred) {
+  const std::optional<Matrix6d> covariance = unit_covariance(points, cam_from_centred);
+  if (!covariance) {
+    estimate.status = PoseStatus::kDegenerate;
+    return estimate;
+  }
+  const Correspondences& c = points.correspondences;
+  estimate.cam_from_target = from_centred(cam_from_centred, c);
+  estimate.unit_covariance = covariance_from_centred(*covariance, cam_from_centred, c);
+  return estimate;
+}
+
+PoseEstimate with_least_squares(PoseEstimate estimate, const FitPoints& points,
+                                const Pose& cam_from_centred_start, const LspeOptions& options) {
+  const LeastSquares fit = least_squares(points, {&cam_from_centred_start, 1}, options);
+  estimate.iterations += fit.iterations;
+  estimate.status = fit.status;
+  if (fit.status != PoseStatus::kOk) return estimate;
+  const Correspondences& c = points.correspondences;
+  estimate.cam_from_target = from_centred(fit.cam_from_centred, c);
+  estimate.unit_covariance = covariance_from_centred(fit.unit_covariance, fit.cam_from_centred, c);
+  return estimate;
+}
+
+std::size_t removal_limit(std::size_t points, const OutlierOptions& options) {
+  constexpr std::size_t kFewestKept = 4;
+  const std::size_t most = points > kFewestKept ? points - kFewestKept : 0;
+  if (!options.max_removed) return most;
+  return std::min(most, static_cast<std::size_t>(std::max(*options.max_removed, 0)));
+}
+
 Minimax minimax(const FitPoints& points, std::span<const Pose> cam_from_centred_starts,
                 const SolverOptions& options, const MinimaxOptions& minimax_options) {
   Minimax best;

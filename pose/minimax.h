@@ -43,6 +43,20 @@ LeastSquares least_squares(const FitPoints& points, std::span<const Pose> cam_fr
 /// pose.
 std::optional<Matrix6d> unit_covariance(const FitPoints& points, const Pose& cam_from_centred);
 
+/// The estimate with this pose and its unit covariance; kDegenerate, and without them, where the
+/// points do not determine the pose.
+PoseEstimate with_pose(PoseEstimate estimate, const FitPoints& points,
+                       const Pose& cam_from_centred);
+
+/// The estimate with the least-squares pose of these points from a start near it, and fails as
+/// least squares does.
+PoseEstimate with_least_squares(PoseEstimate estimate, const FitPoints& points,
+                                const Pose& cam_from_centred_start, const LspeOptions& options);
+
+/// How many of so many points may be removed at most: what the options say, and never more than
+/// leave two redundant coordinates, 2 (points - removed) - 6 >= 2.
+std::size_t removal_limit(std::size_t points, const OutlierOptions& options);
+
 /// What of a pose a minimax fit may change.
 enum class FreePart { kPose, kRotation, kTranslation };
 

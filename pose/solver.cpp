@@ -14,6 +14,13 @@ constexpr std::array kCatalogue = {
     PoseSolver{"lspe", "least squares on all points", kMinimumPosePoints, false, solve_lspe},
     PoseSolver{"orpe", "minimax with removal of outliers, as the paper prints it",
                kMinimumPosePoints, false, solve_orpe},
+    PoseSolver{"orpe_calibrated", "minimax with outward tests at a stated false-alarm rate",
+               kMinimumPosePoints, false, solve_orpe_calibrated},
+    PoseSolver{"orpe_tree", "the fewest removals whose minimax passes for noise",
+               kMinimumPosePoints, false, solve_orpe_tree},
+    PoseSolver{"minimax", "exact minimax on all points", kMinimumPosePoints, false, solve_minimax},
+    PoseSolver{"minimax_two_step", "minimax on all points, attitude and position in turns",
+               kMinimumPosePoints, false, solve_minimax_two_step},
     PoseSolver{"oracle", "least squares on the true inliers", kMinimumPosePoints, true,
                solve_oracle},
 };

@@ -10,7 +10,11 @@
 namespace sightline {
 
 PoseEstimate solve_lspe(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_minimax(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_minimax_two_step(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_oracle(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_orpe_calibrated(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_orpe_tree(const PoseProblem& problem, const SolverOptions& options);
 
 }  // namespace sightline
