@@ -1,29 +1,31 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// min t subject to f_i(x) <= t over poses x, f_i = |r_i|^2, by the primal-dual interior point
-// method (S. Boyd, L. Vandenberghe: Convex Optimization, 2004, section 11.7; as applied to problems
-// of this kind by C. Olsson, A. Eriksson, F. Kahl: "Efficient optimization for L-infinity problems
-// using pseudoconvexity", ICCV 2007).
+// min t subject to f_i(x) + s_i = t, s_i >= 0, over poses x, f_i = |r_i|^2, by a primal-dual
+// interior point method with Mehrotra's predictor and corrector (S. Wright: Primal-dual
+// interior-point methods, 1997, chapter 10; for problems of this kind C. Olsson, A. Eriksson,
+// F. Kahl: "Efficient optimization for L-infinity problems using pseudoconvexity", ICCV 2007).
 //
-// With slacks s_i = t - f_i > 0, multipliers l_i > 0, slopes g_i = 2 J_i^T r_i and w_i = l_i / s_i,
-// Newton's step for  sum l_i g_i = 0,  sum l_i = 1,  l_i s_i = mu  is, dl_i eliminated,
+// With multipliers l_i > 0, slopes g_i = 2 J_i^T r_i, w_i = l_i / s_i, misses m_i = f_i + s_i - t
+// and p_i = (mu - correction_i + l_i m_i) / s_i, Newton's step for  sum l_i g_i = 0,  sum l_i = 1,
+// l_i s_i = mu,  m_i = 0  is, ds_i and dl_i eliminated,
 //
-//   [H + sum w_i g_i g_i^T   -sum w_i g_i] [dx]   [-sum (mu / s_i) g_i]
-//   [-sum w_i g_i^T           sum w_i    ] [dt] = [ sum mu / s_i - 1  ]
-//   dl_i = mu / s_i - l_i - w_i (dt - g_i . dx),      H = sum 2 l_i J_i^T J_i.
+//   [H + sum w_i g_i g_i^T   -sum w_i g_i] [dx]   [-sum p_i g_i]
+//   [-sum w_i g_i^T           sum w_i    ] [dt] = [ sum p_i - 1 ]
+//   ds_i = dt - g_i . dx - m_i,   dl_i = (mu - correction_i - l_i ds_i) / s_i - l_i,
+//   H = sum 2 l_i J_i^T J_i, and after a few iterations the second derivatives of r_i as well.
 //
-// Three choices:
-// - After every step t is the minimiser of the barrier t - mu sum log(t - f_i) for the f_i at hand,
-//   so that the second row's right side is zero, no step leaves the interior, and the merit of a
-//   step is a function of the pose alone: phi(x) = min_t t - mu sum log(t - f_i(x)).
-// - H leaves out the second derivatives of r_i, so that it is positive semidefinite and dx always
-//   a direction of descent of phi.
-// - mu falls with the square of the steps' success: to between 0.02 and 0.6 of the mean product.
+// The corrector takes into account ds_i dl_i, as Mehrotra's does, and |J_i dx|^2, the second order
+// of f_i where the residual is linear in the pose. Seven iterations reach a gap of 1e-9.
+//
+// There is no line search. Where the iteration wanders (one problem in twenty thousand, where the
+// active constraints leave a direction almost free) it is begun again from the lowest maximum that
+// it passed.
 
 #include "pose/minimax.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -31,8 +33,6 @@
 
 namespace sightline {
 namespace {
-
-using Row6d = Eigen::Matrix<double, 1, 6>;
 
 /// One constraint f + slack = t: its residual, derivative and slope at the pose, and the unknowns
 /// that are its own.
@@ -161,7 +161,7 @@ std::optional<NewtonSystem> newton_system(const std::vector<Constraint>& constra
   }
   matrix.noalias() -= system.coupling * (system.coupling / system.weight_sum).transpose();
   matrix += curvature;
-  for (const double ridge : {1e-13, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0}) {
+  for (const double ridge : {1e-13, 1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0}) {
     system.matrix.emplace(matrix, ridge);
     if (system.matrix->is_ok()) return system;
   }
@@ -253,27 +253,127 @@ double relative_gap(const std::vector<Constraint>& constraints) {
   return gap < 1 ? std::max(gap, 0.0) : 1;
 }
 
-Minimax finished(Minimax result, const std::vector<Constraint>& constraints) {
-  double sum = 0;
-  for (const Constraint& c : constraints) sum += c.multiplier;
-  for (std::size_t i = 0; i < constraints.size(); ++i) {
-    result.multipliers[i] = constraints[i].multiplier / sum;
+/// The iteration from one start.
+class InteriorPoint {
+ public:
+  InteriorPoint(const FitPoints& points, const MinimaxOptions& options)
+      : points_(points), options_(options), constraints_(points.size()) {}
+
+  /// Where the maximum was lowest so far.
+  const Pose& lowest() const { return lowest_; }
+
+  /// Iterates until the gap is closed or the limit is reached. Second derivatives of the residuals
+  /// are left out in the first `gauss_newton_iterations`.
+  Minimax run(const Pose& start, int gauss_newton_iterations, int max_iterations) {
+    Minimax result;
+    result.cam_from_centred = start;
+    result.multipliers.assign(constraints_.size(), 1 / static_cast<double>(constraints_.size()));
+    lowest_ = start;
+    if (!evaluate(points_, start, options_.free, constraints_)) {
+      result.status = PoseStatus::kBehindCamera;
+      return result;
+    }
+    lowest_px2_ = largest_of(constraints_);
+    if (lowest_px2_ < kZeroResidualPx2) return exact(std::move(result));
+
+    centre();
+    while (result.iterations < max_iterations) {
+      ++result.iterations;
+      const bool is_exact = result.iterations > gauss_newton_iterations;
+      if (!step(result.cam_from_centred, is_exact)) break;
+      const double largest_px2 = largest_of(constraints_);
+      if (largest_px2 < kZeroResidualPx2) return exact(std::move(result));
+      if (largest_px2 < lowest_px2_) {
+        lowest_px2_ = largest_px2;
+        lowest_ = result.cam_from_centred;
+      }
+      const double products = mean_product(constraints_) * static_cast<double>(points_.size());
+      if (products > options_.relative_gap * largest_px2) continue;
+      result.relative_gap = relative_gap(constraints_);
+      if (result.relative_gap <= options_.relative_gap) break;
+    }
+    return finished(std::move(result));
   }
-  result.largest_px2 = largest_of(constraints);
-  if (result.relative_gap <= kMinimaxGap) result.status = PoseStatus::kOk;
-  return result;
-}
 
-bool has_zero_residuals(const std::vector<Constraint>& constraints) {
-  return largest_of(constraints) < kZeroResidualPx2;
-}
+ private:
+  /// Slacks and multipliers of equal products at a pose; the multipliers sum to one.
+  void centre() {
+    constexpr double kInitialSlack = 0.3;  // of the largest residual
+    t_ = (1 + kInitialSlack) * largest_of(constraints_);
+    double inverse_sum = 0;
+    for (Constraint& c : constraints_) {
+      c.slack = t_ - c.f;
+      inverse_sum += 1 / c.slack;
+    }
+    for (Constraint& c : constraints_) c.multiplier = 1 / (c.slack * inverse_sum);
+  }
 
-Minimax exact(Minimax result) {
-  result.status = PoseStatus::kOk;
-  result.largest_px2 = 0;
-  result.relative_gap = 0;
-  return result;
-}
+  /// One predictor and corrector. False where there is none, or where it leads behind the camera.
+  bool step(Pose& pose, bool is_exact) {
+    constexpr double kTowardsBoundary = 0.99;
+    constexpr double kSmallestMu = 1e-3;  // of what the gap allows
+    constexpr double kLongestTurn = 0.3;  // radians, and part of the range
+    const Matrix6d curvature = is_exact
+                                   ? residual_curvature(points_, pose, options_.free, constraints_)
+                                   : Matrix6d::Zero();
+    const std::optional<NewtonSystem> system = newton_system(constraints_, curvature);
+    if (!system) return false;
+    for (Constraint& c : constraints_) {
+      c.miss = c.f + c.slack - t_;
+      c.correction = 0;
+    }
+    const double products = mean_product(constraints_);
+    const double smallest_mu = kSmallestMu * options_.relative_gap * largest_of(constraints_) /
+                               static_cast<double>(points_.size());
+    const Step predictor = newton_step(*system, constraints_, 0);
+    const double mu = std::max(predict(constraints_, predictor, products), smallest_mu);
+    const Step corrected = newton_step(*system, constraints_, mu);
+
+    StepLengths lengths = longest_steps(constraints_, kTowardsBoundary);
+    const double turn = std::max(corrected.delta.head<3>().norm(),
+                                 corrected.delta.tail<3>().norm() / pose.translation.norm());
+    if (lengths.primal * turn > kLongestTurn) lengths.primal = kLongestTurn / turn;
+    const Pose candidate = retract(pose, lengths.primal * corrected.delta);
+    if (!evaluate(points_, candidate, options_.free, constraints_)) {
+      evaluate(points_, pose, options_.free, constraints_);
+      return false;
+    }
+    pose = candidate;
+    t_ += lengths.primal * corrected.dt;
+    for (Constraint& c : constraints_) {
+      // A slack may grow to what there is: the constraint is then met.
+      c.slack = std::max(c.slack + lengths.primal * c.slack_change, t_ - c.f);
+      c.multiplier += lengths.dual * c.multiplier_change;
+    }
+    return true;
+  }
+
+  static Minimax exact(Minimax result) {
+    result.status = PoseStatus::kOk;
+    result.largest_px2 = 0;
+    result.relative_gap = 0;
+    return result;
+  }
+
+  Minimax finished(Minimax result) const {
+    double sum = 0;
+    for (const Constraint& c : constraints_) sum += c.multiplier;
+    for (std::size_t i = 0; i < constraints_.size(); ++i) {
+      result.multipliers[i] = constraints_[i].multiplier / sum;
+    }
+    result.largest_px2 = largest_of(constraints_);
+    if (!(result.relative_gap <= kMinimaxGap)) result.relative_gap = relative_gap(constraints_);
+    if (result.relative_gap <= kMinimaxGap) result.status = PoseStatus::kOk;
+    return result;
+  }
+
+  FitPoints points_;
+  MinimaxOptions options_;
+  std::vector<Constraint> constraints_;
+  double t_ = 0;
+  double lowest_px2_ = 0;
+  Pose lowest_;
+};
 
 }  // namespace
 
@@ -295,69 +395,22 @@ std::optional<Reprojection> reproject(const FitPoints& points, std::size_t i,
 
 Minimax minimax_from(const FitPoints& points, const Pose& cam_from_centred_start,
                      const MinimaxOptions& options) {
-  constexpr double kInitialSlack = 0.3;  // of the largest residual
-  constexpr double kTowardsBoundary = 0.99;
-  constexpr double kSmallestMu = 1e-3;  // of what the gap allows
-  constexpr double kLongestTurn = 0.3;  // radians, and part of the range
+  // Second derivatives cost a quarter more a step, and only one problem in a hundred needs them.
   constexpr int kGaussNewtonIterations = 8;
+  constexpr std::array<int, 4> kAttempts = {30, 60, 60, 60};
 
-  const std::size_t n = points.size();
+  InteriorPoint iteration(points, options);
+  Pose start = cam_from_centred_start;
   Minimax result;
-  result.cam_from_centred = cam_from_centred_start;
-  result.multipliers.assign(n, 1 / static_cast<double>(n));
-  std::vector<Constraint> constraints(n);
-  if (!evaluate(points, cam_from_centred_start, options.free, constraints)) {
-    result.status = PoseStatus::kBehindCamera;
-    return result;
+  int iterations = 0;
+  for (const int max_iterations : kAttempts) {
+    result = iteration.run(start, iterations == 0 ? kGaussNewtonIterations : 0, max_iterations);
+    iterations += result.iterations;
+    if (result.status != PoseStatus::kDiverged) break;
+    start = iteration.lowest();
   }
-  if (has_zero_residuals(constraints)) return exact(std::move(result));
-
-  double t = (1 + kInitialSlack) * largest_of(constraints);
-  double inverse_sum = 0;
-  for (Constraint& c : constraints) {
-    c.slack = t - c.f;
-    inverse_sum += 1 / c.slack;
-  }
-  for (Constraint& c : constraints) c.multiplier = 1 / (c.slack * inverse_sum);
-
-  while (result.iterations < options.max_iterations) {
-    ++result.iterations;
-    const bool is_slow = result.iterations > kGaussNewtonIterations;
-    const std::optional<NewtonSystem> system = newton_system(
-        constraints,
-        is_slow ? residual_curvature(points, result.cam_from_centred, options.free, constraints)
-                : Matrix6d::Zero());
-    if (!system) break;
-    for (Constraint& c : constraints) {
-      c.miss = c.f + c.slack - t;
-      c.correction = 0;
-    }
-    const double products = mean_product(constraints);
-    const Step predictor = newton_step(*system, constraints, 0);
-    const double floor =
-        kSmallestMu * options.relative_gap * largest_of(constraints) / static_cast<double>(n);
-    const double mu = std::max(predict(constraints, predictor, products), floor);
-    const Step step = newton_step(*system, constraints, mu);
-    StepLengths lengths = longest_steps(constraints, kTowardsBoundary);
-    const double turn =
-        std::max(step.delta.head<3>().norm(),
-                 step.delta.tail<3>().norm() / result.cam_from_centred.translation.norm());
-    if (lengths.primal * turn > kLongestTurn) lengths.primal = kLongestTurn / turn;
-    const Pose candidate = retract(result.cam_from_centred, lengths.primal * step.delta);
-    if (!evaluate(points, candidate, options.free, constraints)) break;
-    result.cam_from_centred = candidate;
-    t += lengths.primal * step.dt;
-    for (Constraint& c : constraints) {
-      c.slack = std::max(c.slack + lengths.primal * c.slack_change, t - c.f);
-      c.multiplier += lengths.dual * c.multiplier_change;
-    }
-    if (has_zero_residuals(constraints)) return exact(std::move(result));
-    if (mean_product(constraints) * n > options.relative_gap * largest_of(constraints)) continue;
-    result.relative_gap = relative_gap(constraints);
-    if (result.relative_gap <= options.relative_gap) break;
-  }
-  result.relative_gap = relative_gap(constraints);
-  return finished(std::move(result), constraints);
+  result.iterations = iterations;
+  return result;
 }
 
 LeastSquares least_squares(const FitPoints& points, std::span<const Pose> cam_from_centred_starts,
@@ -452,7 +505,8 @@ Minimax minimax(const FitPoints& points, std::span<const Pose> cam_from_centred_
     iterations += begin.iterations;
     Minimax fit;
     fit.status = begin.status;
-    if (begin.status == PoseStatus::kOk) {
+    // Where least squares stopped is a start as good as another.
+    if (begin.status == PoseStatus::kOk || begin.status == PoseStatus::kDiverged) {
       fit = minimax_from(points, begin.cam_from_centred, minimax_options);
     }
     iterations += fit.iterations;

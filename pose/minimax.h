@@ -61,7 +61,6 @@ std::size_t removal_limit(std::size_t points, const OutlierOptions& options);
 enum class FreePart { kPose, kRotation, kTranslation };
 
 struct MinimaxOptions {
-  int max_iterations = 200;
   /// Stops when the largest squared residual is proven to be above the least one by no more than
   /// this part of itself.
   double relative_gap = 1e-9;
@@ -71,8 +70,7 @@ struct MinimaxOptions {
 /// The pose of least largest squared residual, min over poses of max_i f_i.
 struct Minimax {
   /// kOk: the relative gap is at most kMinimaxGap, or the residuals are zero. kBehindCamera: at the
-  /// start. kDegenerate: the points do not determine a step, or what is asked for is not finite.
-  /// kDiverged: no convergence.
+  /// start. kDiverged: no convergence. From minimax() also what least squares fails with.
   PoseStatus status = PoseStatus::kDiverged;
   Pose cam_from_centred;
   double largest_px2 = 0;  ///< max f_i; zero when below kZeroResidualPx2
@@ -91,7 +89,8 @@ struct Minimax {
 inline constexpr double kMinimaxGap = 1e-6;
 
 /// Minimises max_i f_i from one start by a primal-dual interior point method on
-/// min t subject to f_i <= t (pose/minimax.cpp says how).
+/// min t subject to f_i <= t (pose/minimax.cpp says how): 7 iterations at eight points, rarely more
+/// than 40, at most 210.
 ///
 /// The certificate: for weights lambda_i >= 0 that sum to one, max f_i >= sum lambda_i f_i for any
 /// pose, hence min max f_i >= min sum lambda_i f_i, a weighted least-squares problem. Its minimum
@@ -101,8 +100,8 @@ inline constexpr double kMinimaxGap = 1e-6;
 Minimax minimax_from(const FitPoints& points, const Pose& cam_from_centred_start,
                      const MinimaxOptions& options = {});
 
-/// minimax_from from the least-squares pose of every start; the lowest maximum wins. Fails as least
-/// squares does.
+/// minimax_from from the least-squares pose of every start; the lowest maximum wins. Fails where
+/// least squares does but for its not converging.
 Minimax minimax(const FitPoints& points, std::span<const Pose> cam_from_centred_starts,
                 const SolverOptions& options, const MinimaxOptions& minimax_options = {});
 

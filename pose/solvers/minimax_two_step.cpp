@@ -34,7 +34,7 @@ namespace sightline {
 namespace {
 
 constexpr int kMaxRounds = 200;
-constexpr double kLeastFall = 1e-9;  ///< of the maximum, in a round that is worth another
+constexpr double kLeastFall = 1e-6;  ///< of the maximum, in a round that is worth another
 
 Minimax alternate(const FitPoints& points, const Pose& cam_from_centred_start) {
   Minimax current;
@@ -72,7 +72,9 @@ PoseEstimate solve_minimax_two_step(const PoseProblem& problem, const SolverOpti
     const LeastSquares begin = least_squares(points, {&start, 1}, options.lspe);
     estimate.iterations += begin.iterations;
     if (!best) estimate.status = begin.status;
-    if (begin.status != PoseStatus::kOk) continue;
+    // Where least squares stopped is a start as good as another.
+    const bool is_start = begin.status == PoseStatus::kOk || begin.status == PoseStatus::kDiverged;
+    if (!is_start) continue;
     Minimax fit = alternate(points, begin.cam_from_centred);
     estimate.iterations += fit.iterations;
     if (!best) estimate.status = fit.status;

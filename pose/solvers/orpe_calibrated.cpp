@@ -7,13 +7,14 @@
 //
 //   1. M_0 = min max_i f_i on all n points. For j = 1 .. k: remove the point of the largest
 //      multiplier; M_j is the minimax of the n - j points that are left.
-//   2. For j = k .. 1: if Lambda_j = M_{j-1} / M_j >= rho(n - j + 1), stop: the first j points
-//      removed are the outliers.
+//   2. For j = k .. 1: if Lambda_j = M_{j-1} / M_j >= rho_j, stop: the first j points removed are
+//      the outliers. Where the noise is known: if M_{j-1} > sigma_px^2 q.
 //   3. The pose is that of least squares on what is left.
 //
-// rho(m) is the quantile of Lambda for m points without outliers at OutlierOptions::
-// false_alarm_rate / k (pose/minimax_null.h): whatever the noise, which need not be known, at most
-// about that part of the problems without outliers loses a point.
+// rho_j is the quantile of Lambda for n - j + 1 points without outliers at a part of
+// OutlierOptions:: false_alarm_rate, which halves with every further removal; q that of M for as
+// many points at the whole rate (pose/minimax_null.h). About that part of the problems without
+// outliers loses a point, and Lambda's test needs no noise to be known.
 //
 // Lambda and step 3's removal are those of Zhao, Zhang, Zuo, Xu (2009), section 3; testing outward
 // from the smallest set is B. Rosner's: "Percentage points for a generalized ESD many-outlier
@@ -25,10 +26,12 @@
 // starts of a plane both are carried along, and the lower maximum counts at each step.
 //
 // Where it falls short: the points are removed one by one, and with two outliers of eight the point
-// of the largest multiplier is one of them in 75 to 95 % only. Covariances of pixels and sigma_px
-// are ignored.
+// of the largest multiplier is one of them in 75 to 95 % only. Covariances of pixels
+// are ignored. kDegenerate when sigma_px is negative or not finite.
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "pose/minimax.h"
@@ -74,11 +77,20 @@ double residual_ratio(const Stage& before, const Stage& after) {
 }
 
 /// How many of the stages' removals stand.
-std::size_t outward_test(const std::vector<Stage>& stages, double false_alarm_rate) {
+std::size_t outward_test(const std::vector<Stage>& stages, double sigma_px,
+                         double false_alarm_rate) {
   const std::size_t most = stages.size() - 1;
-  const double tail = false_alarm_rate / static_cast<double>(std::max<std::size_t>(most, 1));
   for (std::size_t j = most; j > 0; --j) {
-    const double rho = minimax_ratio_quantile(stages[j - 1].kept.size(), tail);
+    const std::size_t m = stages[j - 1].kept.size();
+    if (sigma_px > 0) {
+      const double noise_px2 = sigma_px * sigma_px * minimax_quantile(m, false_alarm_rate);
+      if (stages[j - 1].largest_px2 > noise_px2) return j;
+      continue;
+    }
+    // 2^-j of the rate, divided by the sum of such parts.
+    const double part =
+        std::exp2(-static_cast<double>(j)) / (1 - std::exp2(-static_cast<double>(most)));
+    const double rho = minimax_ratio_quantile(m, part * false_alarm_rate);
     if (residual_ratio(stages[j - 1], stages[j]) >= rho) return j;
   }
   return 0;
@@ -95,11 +107,14 @@ PoseEstimate solve_orpe_calibrated(const PoseProblem& problem, const SolverOptio
 
   std::vector<Pose> branches;
   estimate.status = PoseStatus::kDegenerate;
+  if (!std::isfinite(problem.sigma_px) || problem.sigma_px < 0) return estimate;
   for (const Pose& start : starting_poses(c, problem.initial_cam_from_target)) {
     const LeastSquares begin = least_squares(c, {&start, 1}, options.lspe);
     estimate.iterations += begin.iterations;
     if (branches.empty()) estimate.status = begin.status;
-    if (begin.status == PoseStatus::kOk) branches.push_back(begin.cam_from_centred);
+    // Where least squares stopped is a start as good as another.
+    const bool is_start = begin.status == PoseStatus::kOk || begin.status == PoseStatus::kDiverged;
+    if (is_start) branches.push_back(begin.cam_from_centred);
   }
   if (branches.empty()) return estimate;
 
@@ -120,7 +135,8 @@ PoseEstimate solve_orpe_calibrated(const PoseProblem& problem, const SolverOptio
     stages.push_back(std::move(*stage));
   }
 
-  const std::size_t removals = outward_test(stages, options.outliers.false_alarm_rate);
+  const std::size_t removals =
+      outward_test(stages, problem.sigma_px, options.outliers.false_alarm_rate);
   const Stage& last = stages[removals];
   estimate.is_removal_limit_reached = removals > 0 && removals == limit;
   std::set_difference(all.begin(), all.end(), last.kept.begin(), last.kept.end(),

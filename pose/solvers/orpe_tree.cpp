@@ -130,7 +130,7 @@ std::optional<std::vector<Eigen::Matrix2d>> whitening_of(
 /// fail or leave no freedom: then only exact data pass.
 double noise_of_what_is_kept(const PoseProblem& problem, const Correspondences& c,
                              const SolverOptions& options) {
-  const PoseEstimate estimate = solve_orpe_calibrated(problem, options);
+  const PoseEstimate estimate = solve_orpe_calibrated(problem, options);  // with sigma_px zero
   if (estimate.status != PoseStatus::kOk) return 0;
   const Pose pose = to_centred(estimate.cam_from_target, c);
   double sum_px2 = 0;
