@@ -24,21 +24,21 @@
 //   below; here every minimum has its own pose.
 // - At the exact minimax about five points tie at the maximum. At finite q the tie is broken: m is
 //   the point of the largest weight exp(q f_i) / sum, the multiplier of its constraint.
-// - F_q is minimised from the LSPE solution on the same points, by Marquardt's method on
+// - F_q is minimised by Marquardt's method on
 //     gradient  g = sum w_i g_i,   g_i = 2 J_i^T r_i,
-//     Hessian   sum w_i 2 J_i^T J_i + q (sum w_i g_i g_i^T - g g^T),
-//   q rising in stages, q = c / max f_i with c = kStages. At the end max f_i is above the exact
-//   minimax by at most ln(n) / 512 of itself (0.4 % for n = 8; about a tenth of a percent was
-//   measured).
+//     Hessian   sum w_i 2 J_i^T J_i + q (sum w_i g_i g_i^T - g g^T);
+//   q = kSharpness / max f_i, the maximum being that of the LSPE solution brought within
+//   kLeadingGap of the exact minimax (pose/minimax.h), from where Marquardt's method starts. At the
+//   end max f_i is above the exact minimax by at most about ln(n) / 512 of itself (0.4 % for n = 8;
+//   about a tenth of a percent was measured).
 // - LSPE without m starts from the pose with m, and of a plane from both mirror starts as well.
-// - Where the last stage meets its iteration limit the exact minimax (pose/minimax.h) is taken in
+// - Where the iteration meets its limit the exact minimax (pose/minimax.h) is taken in
 //   its place, m being the point of its largest multiplier; where that fails too: kDiverged.
 // - f_i below kZeroResidualPx2 count as zero: exact data have no largest error, and Lambda is 1.
 // - OrpeOptions::final may ask for least squares on what is left in place of step 4.
 // - Covariances of pixels are ignored, as in the paper.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -49,10 +49,9 @@
 namespace sightline {
 namespace {
 
-constexpr std::array<double, 3> kStages = {16, 64, 512};
-constexpr int kMaxStageIterations = 100;
-/// Stages but the last only lead to the next one.
-constexpr double kLeadingTolerance = 1e-4;
+constexpr double kSharpness = 512;
+constexpr int kMaxIterations = 100;
+constexpr double kLeadingGap = 3e-3;
 
 /// The entropy function of some points: what of its evaluation is kept between poses is storage.
 class EntropyFunction {
@@ -81,7 +80,7 @@ class EntropyFunction {
     return model;
   }
 
-  /// Takes f_i at a pose, without derivatives needed. False where a point is behind the camera.
+  /// Takes f_i and its derivatives at a pose. False where a point is behind the camera.
   bool evaluate(const Pose& pose) {
     largest_px2_ = 0;
     largest_index_ = 0;
@@ -127,30 +126,32 @@ Stage exact_stage(const FitPoints& points, const Pose& start, int iterations) {
           iterations + fit.iterations};
 }
 
-/// Minimises F_q from the LSPE solution on the same points, q rising in stages.
+/// Minimises F_q from the LSPE solution on the same points.
 Stage minimise_entropy(const FitPoints& points, std::span<const Pose> starts,
                        const SolverOptions& options) {
-  const LeastSquares start = least_squares(points, starts, options.lspe);
-  Stage result = {start.status, start.cam_from_centred, 0, 0, start.iterations};
+  const LeastSquares begin = least_squares(points, starts, options.lspe);
+  Stage result = {begin.status, begin.cam_from_centred, 0, 0, begin.iterations};
   if (result.status != PoseStatus::kOk) return result;
 
+  MinimaxOptions leading;
+  leading.relative_gap = kLeadingGap;
+  const Minimax lead = minimax_from(points, begin.cam_from_centred, leading);
+  result.iterations += lead.iterations;
   EntropyFunction entropy(points);
-  for (const double stage : kStages) {
-    entropy.evaluate(result.cam_from_centred);
-    if (entropy.largest_px2() < kZeroResidualPx2) return result;
-    const double q = stage / entropy.largest_px2();
-    const auto evaluate = [&entropy, q](const Pose& pose) { return entropy(pose, q); };
-    const bool is_last = stage == kStages.back();
-    const double tolerance = is_last ? options.lspe.step_tolerance : kLeadingTolerance;
-    const Minimum minimum =
-        minimise(result.cam_from_centred, evaluate, kMaxStageIterations, tolerance);
-    result.cam_from_centred = minimum.pose;
-    result.iterations += minimum.iterations;
-    if (is_last && minimum.status != PoseStatus::kOk) {
-      return exact_stage(points, minimum.pose, result.iterations);
-    }
+  entropy.evaluate(lead.cam_from_centred);
+  result.cam_from_centred = lead.cam_from_centred;
+  if (entropy.largest_px2() < kZeroResidualPx2) return result;
+
+  const double q = kSharpness / entropy.largest_px2();
+  const auto evaluate = [&entropy, q](const Pose& pose) { return entropy(pose, q); };
+  const Minimum minimum =
+      minimise(lead.cam_from_centred, evaluate, kMaxIterations, options.lspe.step_tolerance);
+  result.iterations += minimum.iterations;
+  if (minimum.status != PoseStatus::kOk) {
+    return exact_stage(points, minimum.pose, result.iterations);
   }
-  entropy.evaluate(result.cam_from_centred);
+  entropy.evaluate(minimum.pose);
+  result.cam_from_centred = minimum.pose;
   result.largest_px2 = entropy.largest_px2();
   result.largest_index = entropy.largest_index();
   return result;
@@ -171,16 +172,15 @@ PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options
   if (estimate.status != PoseStatus::kOk) return estimate;
 
   const Correspondences& c = prepared.correspondences;
-  std::vector<Pose> starts = starting_poses(c, problem.initial_cam_from_target);
-  const bool has_mirror = starts.size() > 1;
+  const std::vector<Pose> free_starts = starting_poses(c, problem.initial_cam_from_target);
   std::vector<int> kept(c.size());
   std::iota(kept.begin(), kept.end(), 0);
 
-  Stage current = minimise_entropy({c, kept, {}}, starts, options);
+  Stage current = minimise_entropy({c, kept, {}}, free_starts, options);
   estimate.iterations = current.iterations;
   while (current.status == PoseStatus::kOk && kept.size() > kMinimumPosePoints) {
-    if (!has_mirror) starts.clear();
-    starts.push_back(current.cam_from_centred);
+    std::vector<Pose> starts = {current.cam_from_centred};
+    if (free_starts.size() > 1) starts.insert(starts.end(), free_starts.begin(), free_starts.end());
     std::vector<int> rest = kept;
     rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(current.largest_index));
     const Stage without_m = minimise_entropy({c, rest, {}}, starts, options);
