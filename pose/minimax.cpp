@@ -465,7 +465,9 @@ std::optional<Matrix6d> unit_covariance(const FitPoints& points, const Pose& cam
 
 PoseEstimate with_pose(PoseEstimate estimate, const FitPoints& points,
                        const Pose& cam_from_centred) {
-  const std::optional<Matrix6d> covariance = unit_covariance(points, cam_from_centred);
+  // For unit noise, whatever the points were weighted by.
+  const FitPoints unweighted = {points.correspondences, points.kept, {}};
+  const std::optional<Matrix6d> covariance = unit_covariance(unweighted, cam_from_centred);
   if (!covariance) {
     estimate.status = PoseStatus::kDegenerate;
     return estimate;
@@ -482,17 +484,16 @@ PoseEstimate with_least_squares(PoseEstimate estimate, const FitPoints& points,
   estimate.iterations += fit.iterations;
   estimate.status = fit.status;
   if (fit.status != PoseStatus::kOk) return estimate;
-  const Correspondences& c = points.correspondences;
-  estimate.cam_from_target = from_centred(fit.cam_from_centred, c);
-  estimate.unit_covariance = covariance_from_centred(fit.unit_covariance, fit.cam_from_centred, c);
-  return estimate;
+  return with_pose(std::move(estimate), points, fit.cam_from_centred);
 }
 
 std::size_t removal_limit(std::size_t points, const OutlierOptions& options) {
   constexpr std::size_t kFewestKept = 4;
   const std::size_t most = points > kFewestKept ? points - kFewestKept : 0;
-  if (!options.max_removed) return most;
-  return std::min(most, static_cast<std::size_t>(std::max(*options.max_removed, 0)));
+  const std::size_t minority = points > 0 ? (points - 1) / 2 : 0;
+  const std::size_t asked =
+      options.max_removed ? static_cast<std::size_t>(std::max(*options.max_removed, 0)) : minority;
+  return std::min(most, asked);
 }
 
 Minimax minimax(const FitPoints& points, std::span<const Pose> cam_from_centred_starts,

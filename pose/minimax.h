@@ -53,8 +53,9 @@ PoseEstimate with_pose(PoseEstimate estimate, const FitPoints& points,
 PoseEstimate with_least_squares(PoseEstimate estimate, const FitPoints& points,
                                 const Pose& cam_from_centred_start, const LspeOptions& options);
 
-/// How many of so many points may be removed at most: what the options say, and never more than
-/// leave two redundant coordinates, 2 (points - removed) - 6 >= 2.
+/// How many of so many points may be removed at most: OutlierOptions::max_removed, or fewer than
+/// half of them where that is not said, and in either case no more than leave two redundant
+/// coordinates, 2 (points - removed) - 6 >= 2.
 std::size_t removal_limit(std::size_t points, const OutlierOptions& options);
 
 /// What of a pose a minimax fit may change.

@@ -8,26 +8,27 @@
 //   1. M_0 = min max_i f_i on all n points. For j = 1 .. k: remove the point of the largest
 //      multiplier; M_j is the minimax of the n - j points that are left.
 //   2. For j = k .. 1: if Lambda_j = M_{j-1} / M_j >= rho_j, stop: the first j points removed are
-//      the outliers. Where the noise is known: if M_{j-1} > sigma_px^2 q.
+//      the outliers. Where the noise is known: if M_{j-1} > sigma_px^2 q_{j-1}. (If even M_k is,
+//      some outlier was not found: is_test_failed is set, and Lambda decides.)
 //   3. The pose is that of least squares on what is left.
 //
 // rho_j is the quantile of Lambda for n - j + 1 points without outliers at a part of
-// OutlierOptions:: false_alarm_rate, which halves with every further removal; q that of M for as
-// many points at the whole rate (pose/minimax_null.h). About that part of the problems without
-// outliers loses a point, and Lambda's test needs no noise to be known.
+// OutlierOptions::false_alarm_rate that halves with every further removal; q_j that of M for n - j
+// points at the whole rate (pose/minimax_null.h). About that rate of the problems without outliers
+// loses a point.
 //
 // Lambda and step 3's removal are those of Zhao, Zhang, Zuo, Xu (2009), section 3; testing outward
 // from the smallest set is B. Rosner's: "Percentage points for a generalized ESD many-outlier
 // procedure", Technometrics 25(2), 1983.
 //
-// Needs four points that are not collinear, or three with an initial pose. k is as many as leave
-// two redundant coordinates, 2 (n - k) - 6 >= 2, or OutlierOptions::max_removed if that is fewer;
-// it ends early where the points that are left would not determine the pose. Of the two mirror
-// starts of a plane both are carried along, and the lower maximum counts at each step.
+// Needs four points that are not collinear, or three with an initial pose. k is fewer than half of
+// the points, or OutlierOptions::max_removed, and leaves at least two redundant coordinates,
+// 2 (n - k) - 6 >= 2; it ends early where the points that are left would not determine the pose. Of
+// the two mirror starts of a plane both are carried along, and the lower maximum counts at each
+// step. kDegenerate when sigma_px is negative or not finite. Covariances of pixels are ignored.
 //
 // Where it falls short: the points are removed one by one, and with two outliers of eight the point
-// of the largest multiplier is one of them in 75 to 95 % only. Covariances of pixels
-// are ignored. kDegenerate when sigma_px is negative or not finite.
+// of the largest multiplier is one of them in 75 to 95 % only.
 
 #include <algorithm>
 #include <cmath>
@@ -76,22 +77,29 @@ double residual_ratio(const Stage& before, const Stage& after) {
   return before.largest_px2 / std::max(after.largest_px2, std::numeric_limits<double>::min());
 }
 
-/// How many of the stages' removals stand.
-std::size_t outward_test(const std::vector<Stage>& stages, double sigma_px,
-                         double false_alarm_rate) {
+/// How many of the stages' removals stand by the ratios of their residuals.
+std::size_t test_ratios(const std::vector<Stage>& stages, double false_alarm_rate) {
   const std::size_t most = stages.size() - 1;
   for (std::size_t j = most; j > 0; --j) {
-    const std::size_t m = stages[j - 1].kept.size();
-    if (sigma_px > 0) {
-      const double noise_px2 = sigma_px * sigma_px * minimax_quantile(m, false_alarm_rate);
-      if (stages[j - 1].largest_px2 > noise_px2) return j;
-      continue;
-    }
-    // 2^-j of the rate, divided by the sum of such parts.
+    // 2^-j of the rate, over the sum of such parts.
     const double part =
         std::exp2(-static_cast<double>(j)) / (1 - std::exp2(-static_cast<double>(most)));
-    const double rho = minimax_ratio_quantile(m, part * false_alarm_rate);
+    const double rho = minimax_ratio_quantile(stages[j - 1].kept.size(), part * false_alarm_rate);
     if (residual_ratio(stages[j - 1], stages[j]) >= rho) return j;
+  }
+  return 0;
+}
+
+/// How many of the stages' removals stand by the size of their residuals. None where even the last
+/// residual is no noise.
+std::optional<std::size_t> test_residuals(const std::vector<Stage>& stages, double sigma_px,
+                                          double false_alarm_rate) {
+  for (std::size_t j = stages.size(); j > 0; --j) {
+    const Stage& stage = stages[j - 1];
+    const double noise_px2 =
+        sigma_px * sigma_px * minimax_quantile(stage.kept.size(), false_alarm_rate);
+    if (stage.largest_px2 <= std::max(noise_px2, kZeroResidualPx2)) continue;
+    return j < stages.size() ? std::optional(j) : std::nullopt;
   }
   return 0;
 }
@@ -135,8 +143,11 @@ PoseEstimate solve_orpe_calibrated(const PoseProblem& problem, const SolverOptio
     stages.push_back(std::move(*stage));
   }
 
-  const std::size_t removals =
-      outward_test(stages, problem.sigma_px, options.outliers.false_alarm_rate);
+  const double rate = options.outliers.false_alarm_rate;
+  std::optional<std::size_t> by_residual;
+  if (problem.sigma_px > 0) by_residual = test_residuals(stages, problem.sigma_px, rate);
+  estimate.is_test_failed = problem.sigma_px > 0 && !by_residual;
+  const std::size_t removals = by_residual ? *by_residual : test_ratios(stages, rate);
   const Stage& last = stages[removals];
   estimate.is_removal_limit_reached = removals > 0 && removals == limit;
   std::set_difference(all.begin(), all.end(), last.kept.begin(), last.kept.end(),

@@ -16,10 +16,10 @@
 // finds the fewest (T.-J. Chin, P. Purkait, A. Eriksson, D. Suter: "Efficient globally optimal
 // consensus maximisation with tree search", CVPR 2015).
 //
-// Needs four points that are not collinear, or three with an initial pose. At most as many removals
-// as leave two redundant coordinates, 2 (n - k) - 6 >= 2, or OutlierOptions::max_removed if fewer;
-// at most kMaxSets sets are tried. If none passes, the set of least M(S) / q is taken, and
-// is_removal_limit_reached and is_test_failed say so.
+// Needs four points that are not collinear, or three with an initial pose. Removes fewer than half
+// of the points, or at most OutlierOptions::max_removed, and leaves at least two redundant
+// coordinates, 2 (n - k) - 6 >= 2; tries at most kMaxSets sets. If none passes, the set of least
+// M(S) / q is taken, and is_removal_limit_reached and is_test_failed say so.
 //
 // Noise: from covariances_px2 if there are any, by which residuals and the final pose are whitened
 // (those of pixels as observed; that the lens stretches them a little is ignored); else sigma_px;
