@@ -18,7 +18,7 @@
 // The corrector takes into account ds_i dl_i, as Mehrotra's does, and |J_i dx|^2, the second order
 // of f_i where the residual is linear in the pose. Seven iterations reach a gap of 1e-9.
 //
-// There is no line search. Where the iteration wanders (one problem in twenty thousand, where the
+// There is no line search. Where the iteration wanders (one problem in ten thousand, where the
 // active constraints leave a direction almost free) it is begun again from the lowest maximum that
 // it passed.
 
@@ -109,6 +109,7 @@ struct NewtonSystem {
   std::optional<ScaledCholesky> matrix;
   Vector6d coupling = Vector6d::Zero();  ///< sum w g
   double weight_sum = 0;
+  double ridge = 0;
 };
 
 /// Sum of l_i times the part of the second derivative of f_i that Gauss and Newton leave out,
@@ -144,9 +145,10 @@ Matrix6d residual_curvature(const FitPoints& points, const Pose& pose, FreePart 
   return sum;
 }
 
-/// `curvature` is residual_curvature or zero; where it makes the matrix indefinite it is damped.
+/// `curvature` is residual_curvature or zero; where it makes the matrix indefinite the diagonal is
+/// raised by a ridge, a part of itself, and by `least_ridge` in any case.
 std::optional<NewtonSystem> newton_system(const std::vector<Constraint>& constraints,
-                                          const Matrix6d& curvature) {
+                                          const Matrix6d& curvature, double least_ridge) {
   NewtonSystem system;
   Matrix6d matrix = Matrix6d::Zero();
   for (const Constraint& c : constraints) {
@@ -161,7 +163,9 @@ std::optional<NewtonSystem> newton_system(const std::vector<Constraint>& constra
   }
   matrix.noalias() -= system.coupling * (system.coupling / system.weight_sum).transpose();
   matrix += curvature;
-  for (const double ridge : {1e-13, 1e-6, 1e-4, 1e-3, 1e-2, 0.1, 1.0}) {
+  for (const double ridge : {1e-13, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0}) {
+    if (ridge < least_ridge) continue;
+    system.ridge = ridge;
     system.matrix.emplace(matrix, ridge);
     if (system.matrix->is_ok()) return system;
   }
@@ -172,6 +176,12 @@ struct Step {
   Vector6d delta;
   double dt = 0;
 };
+
+/// The larger of a step's turn in radians and its move as a part of the range.
+double length(const Step& step, const Pose& pose) {
+  return std::max(step.delta.head<3>().norm(),
+                  step.delta.tail<3>().norm() / pose.translation.norm());
+}
 
 /// Solves for the step towards l s = mu - correction and f + s = t, and stores the constraints' own
 /// changes with them.
@@ -312,11 +322,13 @@ class InteriorPoint {
   bool step(Pose& pose, bool is_exact) {
     constexpr double kTowardsBoundary = 0.99;
     constexpr double kSmallestMu = 1e-3;  // of what the gap allows
-    constexpr double kLongestTurn = 0.3;  // radians, and part of the range
+    constexpr double kLongestTurn = 0.3;
+    constexpr double kLargestRidge = 0.05;
+    constexpr int kMostHalvings = 8;
     const Matrix6d curvature = is_exact
                                    ? residual_curvature(points_, pose, options_.free, constraints_)
                                    : Matrix6d::Zero();
-    const std::optional<NewtonSystem> system = newton_system(constraints_, curvature);
+    std::optional<NewtonSystem> system = newton_system(constraints_, curvature, 0);
     if (!system) return false;
     for (Constraint& c : constraints_) {
       c.miss = c.f + c.slack - t_;
@@ -325,18 +337,27 @@ class InteriorPoint {
     const double products = mean_product(constraints_);
     const double smallest_mu = kSmallestMu * options_.relative_gap * largest_of(constraints_) /
                                static_cast<double>(points_.size());
-    const Step predictor = newton_step(*system, constraints_, 0);
+    Step predictor = newton_step(*system, constraints_, 0);
+    while (is_exact && system->ridge < kLargestRidge && length(predictor, pose) > kLongestTurn) {
+      system = newton_system(constraints_, curvature, 5 * system->ridge);
+      if (!system) return false;
+      predictor = newton_step(*system, constraints_, 0);
+    }
     const double mu = std::max(predict(constraints_, predictor, products), smallest_mu);
     const Step corrected = newton_step(*system, constraints_, mu);
 
     StepLengths lengths = longest_steps(constraints_, kTowardsBoundary);
-    const double turn = std::max(corrected.delta.head<3>().norm(),
-                                 corrected.delta.tail<3>().norm() / pose.translation.norm());
+    const double turn = length(corrected, pose);
     if (lengths.primal * turn > kLongestTurn) lengths.primal = kLongestTurn / turn;
-    const Pose candidate = retract(pose, lengths.primal * corrected.delta);
-    if (!evaluate(points_, candidate, options_.free, constraints_)) {
-      evaluate(points_, pose, options_.free, constraints_);
-      return false;
+    Pose candidate = retract(pose, lengths.primal * corrected.delta);
+    int halvings = 0;
+    while (!evaluate(points_, candidate, options_.free, constraints_)) {
+      if (++halvings > kMostHalvings) {
+        evaluate(points_, pose, options_.free, constraints_);
+        return false;
+      }
+      lengths.primal *= 0.5;
+      candidate = retract(pose, lengths.primal * corrected.delta);
     }
     pose = candidate;
     t_ += lengths.primal * corrected.dt;

@@ -138,7 +138,7 @@ TEST(Minimax, ConvergesWhateverThePoints) {
     const Eigen::Vector3d half_width(1, 1, i % 3 ? 1.0 : 0.01);
     for (int k = 0; k < n; ++k) points.push_back(half_width.cwiseProduct(draw.in_box(1)));
     Synthetic s = exact_problem(centred_camera(640, 480, 800), points,
-                                {draw.rotation(), {0.4, -0.3, draw.uniform(4, 100)}});
+                                {draw.rotation(), {0.4, -0.3, draw.uniform(4, 40)}});
     add_noise(s.problem, draw.uniform(0, 2), draw);
     if (i % 2) add_outlier(s.problem, 0, 30, draw);
     const Correspondences c = prepare(s.problem).correspondences;
