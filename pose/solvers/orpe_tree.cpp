@@ -30,7 +30,9 @@
 //
 // Where it falls short: each M(S) is exact among poses near where it is sought from (the parent's
 // pose; LSPE for the root), not over all poses. Of the two mirror starts of a plane each has a tree
-// of its own; the two are searched side by side.
+// of its own; the two are searched side by side. (Against trying every set from the true pose: the
+// same number of removals in 8000 of 8000 problems on six to eight vertices of a cube, and in 99.8
+// % on as many points in a box, some of which have a mirror pose that no start shows.)
 
 #include <algorithm>
 #include <iterator>
