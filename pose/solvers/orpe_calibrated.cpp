@@ -59,7 +59,7 @@ std::optional<Stage> stage_of(const Correspondences& c, std::vector<int> kept,
   std::optional<Stage> stage;
   std::vector<Pose> moved;
   for (const Pose& branch : branches) {
-    const Minimax fit = minimax_from(points, branch);
+    const Minimax fit = minimax_from(points, branch, {.relative_gap = 1e-7});
     iterations += fit.iterations;
     if (fit.status != PoseStatus::kOk || !unit_covariance(points, fit.cam_from_centred)) continue;
     moved.push_back(fit.cam_from_centred);

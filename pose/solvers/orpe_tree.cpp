@@ -51,7 +51,8 @@ namespace sightline {
 namespace {
 
 constexpr std::size_t kMaxSets = 20000;
-/// Multipliers of points off the maximum are below this at the gap reached.
+constexpr MinimaxOptions kSearch = {.relative_gap = 1e-7};
+/// Multipliers of points off the maximum are below this at that gap.
 constexpr double kSupportMultiplier = 1e-6;
 
 /// Tests, and the support of, what is left without some points.
@@ -98,7 +99,7 @@ class Search {
         kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(i));
         if (!tried.insert(kept).second) continue;
         ++sets_;
-        Minimax fit = minimax_from(points(kept), parent.fit.cam_from_centred);
+        Minimax fit = minimax_from(points(kept), parent.fit.cam_from_centred, kSearch);
         std::optional<Node> child = node(std::move(kept), std::move(fit));
         if (child) next.push_back(std::move(*child));
       }
@@ -182,7 +183,7 @@ PoseEstimate solve_orpe_tree(const PoseProblem& problem, const SolverOptions& op
   std::vector<std::vector<Node>> levels;  // one a branch
   estimate.status = PoseStatus::kDegenerate;
   for (const Pose& start : starting_poses(c, problem.initial_cam_from_target)) {
-    Minimax fit = minimax(search.points(all), {&start, 1}, options);
+    Minimax fit = minimax(search.points(all), {&start, 1}, options, kSearch);
     const bool is_fitted = fit.status == PoseStatus::kOk;
     if (levels.empty()) estimate.status = is_fitted ? PoseStatus::kDegenerate : fit.status;
     std::optional<Node> root = search.node(all, std::move(fit));
