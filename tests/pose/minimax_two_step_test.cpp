@@ -14,7 +14,7 @@ namespace sightline {
 namespace {
 
 /// What the last round may still have gained, and the gap of its steps.
-constexpr double kRoundRelative = 2e-6;
+constexpr double kRoundRelative = 2e-5;
 
 struct Fit {
   Correspondences c;
