@@ -131,7 +131,8 @@ Stage minimise_entropy(const FitPoints& points, std::span<const Pose> starts,
                        const SolverOptions& options) {
   const LeastSquares begin = least_squares(points, starts, options.lspe);
   Stage result = {begin.status, begin.cam_from_centred, 0, 0, begin.iterations};
-  if (result.status != PoseStatus::kOk) return result;
+  // Where least squares stopped is a start as good as another.
+  if (begin.status != PoseStatus::kOk && begin.status != PoseStatus::kDiverged) return result;
 
   MinimaxOptions leading;
   leading.relative_gap = kLeadingGap;
@@ -140,6 +141,7 @@ Stage minimise_entropy(const FitPoints& points, std::span<const Pose> starts,
   EntropyFunction entropy(points);
   entropy.evaluate(lead.cam_from_centred);
   result.cam_from_centred = lead.cam_from_centred;
+  result.status = PoseStatus::kOk;
   if (entropy.largest_px2() < kZeroResidualPx2) return result;
 
   const double q = kSharpness / entropy.largest_px2();

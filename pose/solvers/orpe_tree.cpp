@@ -50,7 +50,7 @@
 namespace sightline {
 namespace {
 
-constexpr std::size_t kMaxSets = 20000;
+constexpr std::size_t kMaxSets = 5000;
 constexpr MinimaxOptions kSearch = {.relative_gap = 1e-7};
 /// Multipliers of points off the maximum are below this at that gap.
 constexpr double kSupportMultiplier = 1e-6;
