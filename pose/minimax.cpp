@@ -263,7 +263,7 @@ double relative_gap(const std::vector<Constraint>& constraints) {
   return gap < 1 ? std::max(gap, 0.0) : 1;
 }
 
-/// The iteration from one start.
+/// The iteration from one start; storage for several.
 class InteriorPoint {
  public:
   InteriorPoint(const FitPoints& points, const MinimaxOptions& options)
@@ -299,8 +299,10 @@ class InteriorPoint {
       }
       const double products = mean_product(constraints_) * static_cast<double>(points_.size());
       if (products > options_.relative_gap * largest_px2) continue;
-      result.relative_gap = relative_gap(constraints_);
-      if (result.relative_gap <= options_.relative_gap) break;
+      const double gap = relative_gap(constraints_);
+      if (gap > options_.relative_gap) continue;
+      result.relative_gap = gap;
+      break;
     }
     return finished(std::move(result));
   }
@@ -383,8 +385,9 @@ class InteriorPoint {
       result.multipliers[i] = constraints_[i].multiplier / sum;
     }
     result.largest_px2 = largest_of(constraints_);
-    if (!(result.relative_gap <= kMinimaxGap)) result.relative_gap = relative_gap(constraints_);
-    if (result.relative_gap <= kMinimaxGap) result.status = PoseStatus::kOk;
+    const double promised = std::max(kMinimaxGap, options_.relative_gap);
+    if (!(result.relative_gap <= promised)) result.relative_gap = relative_gap(constraints_);
+    if (result.relative_gap <= promised) result.status = PoseStatus::kOk;
     return result;
   }
 

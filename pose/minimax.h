@@ -70,7 +70,8 @@ struct MinimaxOptions {
 
 /// The pose of least largest squared residual, min over poses of max_i f_i.
 struct Minimax {
-  /// kOk: the relative gap is at most kMinimaxGap, or the residuals are zero. kBehindCamera: at the
+  /// kOk: the relative gap is at most kMinimaxGap, or what was asked for if that is more, or the
+  /// residuals are zero. kBehindCamera: at the
   /// start. kDiverged: no convergence. From minimax() also what least squares fails with.
   PoseStatus status = PoseStatus::kDiverged;
   Pose cam_from_centred;

@@ -51,7 +51,7 @@ namespace {
 
 constexpr double kSharpness = 512;
 constexpr int kMaxIterations = 100;
-constexpr double kLeadingGap = 3e-3;
+constexpr double kLeadingGap = 1e-3;
 
 /// The entropy function of some points: what of its evaluation is kept between poses is storage.
 class EntropyFunction {
