@@ -11,5 +11,7 @@
 namespace sightline {
 
 Comparison register_absolute_orientation();
+Comparison register_outlier();
+Comparison register_pnp();
 
 }  // namespace sightline

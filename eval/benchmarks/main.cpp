@@ -9,6 +9,8 @@
 int main(int argc, char** argv) {
   const std::vector<sightline::Comparison> comparisons = {
       sightline::register_absolute_orientation(),
+      sightline::register_pnp(),
+      sightline::register_outlier(),
   };
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

@@ -24,150 +24,172 @@
 //   below; here every minimum has its own pose.
 // - At the exact minimax about five points tie at the maximum. At finite q the tie is broken: m is
 //   the point of the largest weight exp(q f_i) / sum, the multiplier of its constraint.
-// - F_q is minimised from the LSPE solution on the same points, by Marquardt's method on
+// - F_q is minimised by Marquardt's method on
 //     gradient  g = sum w_i g_i,   g_i = 2 J_i^T r_i,
-//     Hessian   sum w_i 2 J_i^T J_i + q (sum w_i g_i g_i^T - g g^T),
-//   q rising in stages, q = c / max f_i with c = kStages. At the end max f_i is above the exact
-//   minimax by at most ln(n) / 512 of itself (0.4 % for n = 8; about a tenth of a percent was
-//   measured).
+//     Hessian   sum w_i 2 J_i^T J_i + q (sum w_i g_i g_i^T - g g^T);
+//   q = kSharpness / max f_i, the maximum being that of the LSPE solution brought within
+//   kLeadingGap of the exact minimax (pose/minimax.h), from where Marquardt's method starts. At the
+//   end max f_i is above the exact minimax by at most about ln(n) / 512 of itself (0.4 % for n = 8;
+//   about a tenth of a percent was measured).
+// - LSPE without m starts from the pose with m, and of a plane from both mirror starts as well.
+// - Where the iteration meets its limit the exact minimax (pose/minimax.h) is taken in
+//   its place, m being the point of its largest multiplier; where that fails too: kDiverged.
 // - f_i below kZeroResidualPx2 count as zero: exact data have no largest error, and Lambda is 1.
+// - OrpeOptions::final may ask for least squares on what is left in place of step 4.
 // - Covariances of pixels are ignored, as in the paper.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numeric>
 
+#include "pose/minimax.h"
 #include "pose/reprojection.h"
 #include "pose/solvers/solvers.h"
 
 namespace sightline {
 namespace {
 
-constexpr std::array<double, 3> kStages = {16, 64, 512};
-constexpr int kMaxStageIterations = 100;
-/// Stages but the last only lead to the next one.
-constexpr double kLeadingTolerance = 1e-4;
-/// (1e-6 px)^2: far below any noise, far above rounding.
-constexpr double kZeroResidualPx2 = 1e-12;
+constexpr double kSharpness = 512;
+constexpr int kMaxIterations = 100;
+constexpr double kLeadingGap = 1e-3;
 
-/// Log-sum-exp of the squared residuals, shifted by the largest so that no exponent overflows.
-struct Entropy {
-  double value_px2 = 0;
-  double largest_px2 = 0;
-  double weight_sum = 0;  ///< of exp(q (f_i - largest))
-  std::size_t largest_index = 0;
+/// The entropy function of some points: what of its evaluation is kept between poses is storage.
+class EntropyFunction {
+ public:
+  explicit EntropyFunction(const FitPoints& points) : points_(points), terms_(points.size()) {}
+
+  /// F_q with its gradient and Hessian. None where a point is behind the camera.
+  std::optional<LocalModel> operator()(const Pose& pose, double q) {
+    if (!evaluate(pose)) return std::nullopt;
+    double sum = 0;  // of exp(q (f_i - largest)): no exponent overflows
+    for (Term& term : terms_) sum += term.weight = std::exp(q * (term.f - largest_px2_));
+    LocalModel model;
+    model.cost = largest_px2_ + std::log(sum) / q;
+    for (const Term& term : terms_) {
+      const Eigen::Vector2d& r = term.reprojection.residual_px;
+      const Eigen::Matrix<double, 2, 6>& jacobian = term.reprojection.jacobian;
+      const double weight = term.weight / sum;
+      model.gradient.noalias() += jacobian.transpose() * (2 * weight * r);
+      // 2 w J^T J + q w g g^T = J^T (2 w I + 4 q w r r^T) J
+      Eigen::Matrix2d core = (4 * q * weight) * r * r.transpose();
+      core.diagonal().array() += 2 * weight;
+      const Eigen::Matrix<double, 2, 6> cored = core * jacobian;
+      model.hessian.noalias() += jacobian.transpose() * cored;
+    }
+    model.hessian.noalias() -= q * model.gradient * model.gradient.transpose();
+    return model;
+  }
+
+  /// Takes f_i and its derivatives at a pose. False where a point is behind the camera.
+  bool evaluate(const Pose& pose) {
+    largest_px2_ = 0;
+    largest_index_ = 0;
+    for (std::size_t i = 0; i < terms_.size(); ++i) {
+      const std::optional<Reprojection> r = reproject(points_, i, pose);
+      if (!r) return false;
+      terms_[i].reprojection = *r;
+      terms_[i].f = r->residual_px.squaredNorm();
+      if (!(terms_[i].f > largest_px2_)) continue;
+      largest_px2_ = terms_[i].f;
+      largest_index_ = i;
+    }
+    return true;
+  }
+  double largest_px2() const { return largest_px2_; }
+  std::size_t largest_index() const { return largest_index_; }
+
+ private:
+  struct Term {
+    Reprojection reprojection;
+    double f = 0;
+    double weight = 0;
+  };
+  FitPoints points_;
+  std::vector<Term> terms_;
+  double largest_px2_ = 0;
+  std::size_t largest_index_ = 0;
 };
 
-std::optional<Entropy> entropy(const Correspondences& c, const Pose& pose, double q) {
-  Entropy e;
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const std::optional<Eigen::Vector2d> r = residual_px(c, i, pose);
-    if (!r) return std::nullopt;
-    const double f = r->squaredNorm();
-    if (f > e.largest_px2 || i == 0) {
-      e.weight_sum *= std::exp(q * (e.largest_px2 - f));
-      e.largest_px2 = f;
-      e.largest_index = i;
-    }
-    e.weight_sum += std::exp(q * (f - e.largest_px2));
-  }
-  e.value_px2 = e.largest_px2 + std::log(e.weight_sum) / q;
-  return e;
-}
-
-std::optional<LocalModel> entropy_model(const Correspondences& c, const Pose& pose, double q) {
-  const std::optional<Entropy> e = entropy(c, pose, q);
-  if (!e) return std::nullopt;
-  LocalModel model;
-  model.cost = e->value_px2;
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const std::optional<Reprojection> r = reproject(c, i, pose);
-    if (!r) return std::nullopt;
-    const double f = r->residual_px.squaredNorm();
-    const double weight = std::exp(q * (f - e->largest_px2)) / e->weight_sum;
-    const Vector6d slope = 2 * r->jacobian.transpose() * r->residual_px;
-    model.gradient += weight * slope;
-    model.hessian.noalias() += (2 * weight) * r->jacobian.transpose() * r->jacobian;
-    model.hessian.noalias() += (q * weight) * slope * slope.transpose();
-  }
-  model.hessian.noalias() -= q * model.gradient * model.gradient.transpose();
-  return model;
-}
-
-struct Minimax {
+/// The minimum of step 1 and its point m, by its position among the points.
+struct Stage {
   PoseStatus status = PoseStatus::kDiverged;
   Pose cam_from_centred;
-  double largest_px2 = 0;         ///< max f_i, zero when below kZeroResidualPx2
-  std::size_t largest_index = 0;  ///< the point m
+  double largest_px2 = 0;  ///< max f_i, zero when below kZeroResidualPx2
+  std::size_t largest_index = 0;
   int iterations = 0;
 };
 
-/// Minimises F_q from the LSPE solution on the same points, q rising in stages.
-Minimax minimax(const Correspondences& c, const std::optional<Pose>& initial_cam_from_target,
-                const SolverOptions& options) {
-  const LeastSquares start =
-      least_squares(c, starting_poses(c, initial_cam_from_target), options.lspe);
-  Minimax result = {start.status, start.cam_from_centred, 0, 0, start.iterations};
-  if (result.status != PoseStatus::kOk) return result;
+/// The exact minimax in place of an entropy function that was not minimised.
+Stage exact_stage(const FitPoints& points, const Pose& start, int iterations) {
+  const Minimax fit = minimax_from(points, start);
+  return {fit.status, fit.cam_from_centred, fit.largest_px2, fit.most_binding(),
+          iterations + fit.iterations};
+}
 
-  for (const double stage : kStages) {
-    const double largest = entropy(c, result.cam_from_centred, 1)->largest_px2;
-    if (largest < kZeroResidualPx2) return result;
-    const double q = stage / largest;
-    const auto evaluate = [&c, q](const Pose& pose) { return entropy_model(c, pose, q); };
-    const double tolerance =
-        stage == kStages.back() ? options.lspe.step_tolerance : kLeadingTolerance;
-    const Minimum minimum =
-        minimise(result.cam_from_centred, evaluate, kMaxStageIterations, tolerance);
-    result.cam_from_centred = minimum.pose;
-    result.iterations += minimum.iterations;
+/// Minimises F_q from the LSPE solution on the same points.
+Stage minimise_entropy(const FitPoints& points, std::span<const Pose> starts,
+                       const SolverOptions& options) {
+  const LeastSquares begin = least_squares(points, starts, options.lspe);
+  Stage result = {begin.status, begin.cam_from_centred, 0, 0, begin.iterations};
+  // Where least squares stopped is a start as good as another.
+  if (begin.status != PoseStatus::kOk && begin.status != PoseStatus::kDiverged) return result;
+
+  MinimaxOptions leading;
+  leading.relative_gap = kLeadingGap;
+  const Minimax lead = minimax_from(points, begin.cam_from_centred, leading);
+  result.iterations += lead.iterations;
+  EntropyFunction entropy(points);
+  entropy.evaluate(lead.cam_from_centred);
+  result.cam_from_centred = lead.cam_from_centred;
+  result.status = PoseStatus::kOk;
+  if (entropy.largest_px2() < kZeroResidualPx2) return result;
+
+  const double q = kSharpness / entropy.largest_px2();
+  const auto evaluate = [&entropy, q](const Pose& pose) { return entropy(pose, q); };
+  const Minimum minimum =
+      minimise(lead.cam_from_centred, evaluate, kMaxIterations, options.lspe.step_tolerance);
+  result.iterations += minimum.iterations;
+  if (minimum.status != PoseStatus::kOk) {
+    return exact_stage(points, minimum.pose, result.iterations);
   }
-  const std::optional<Entropy> end = entropy(c, result.cam_from_centred, 1);
-  result.largest_px2 = end->largest_px2;
-  result.largest_index = end->largest_index;
+  entropy.evaluate(minimum.pose);
+  result.cam_from_centred = minimum.pose;
+  result.largest_px2 = entropy.largest_px2();
+  result.largest_index = entropy.largest_index();
   return result;
 }
 
 /// Lambda of step 2.
-double residual_ratio(const Minimax& with_all, const Minimax& without_m) {
+double residual_ratio(const Stage& with_all, const Stage& without_m) {
   if (with_all.largest_px2 < kZeroResidualPx2) return 1;
   return with_all.largest_px2 / std::max(without_m.largest_px2, 1e-300);
-}
-
-std::optional<Matrix6d> unit_covariance(const Correspondences& c, const Pose& cam_from_centred) {
-  Matrix6d information = Matrix6d::Zero();
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const std::optional<Reprojection> r = reproject(c, i, cam_from_centred);
-    if (!r) return std::nullopt;
-    information.noalias() += r->jacobian.transpose() * r->jacobian;
-  }
-  return inverse_information(information);
 }
 
 }  // namespace
 
 PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options) {
   PoseEstimate estimate;
-  PreparedProblem prepared = prepare(problem);
+  const PreparedProblem prepared = prepare(problem);
   estimate.status = prepared.status;
   if (estimate.status != PoseStatus::kOk) return estimate;
 
-  Correspondences kept = std::move(prepared.correspondences);
-  std::vector<int> kept_indices(kept.size());
-  std::iota(kept_indices.begin(), kept_indices.end(), 0);
+  const Correspondences& c = prepared.correspondences;
+  const std::vector<Pose> free_starts = starting_poses(c, problem.initial_cam_from_target);
+  std::vector<int> kept(c.size());
+  std::iota(kept.begin(), kept.end(), 0);
 
-  Minimax current = minimax(kept, problem.initial_cam_from_target, options);
+  Stage current = minimise_entropy({c, kept, {}}, free_starts, options);
   estimate.iterations = current.iterations;
   while (current.status == PoseStatus::kOk && kept.size() > kMinimumPosePoints) {
-    const std::size_t m = current.largest_index;
-    Correspondences rest = without(kept, m);
-    const Minimax without_m = minimax(rest, problem.initial_cam_from_target, options);
+    std::vector<Pose> starts = {current.cam_from_centred};
+    if (free_starts.size() > 1) starts.insert(starts.end(), free_starts.begin(), free_starts.end());
+    std::vector<int> rest = kept;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(current.largest_index));
+    const Stage without_m = minimise_entropy({c, rest, {}}, starts, options);
     estimate.iterations += without_m.iterations;
     if (without_m.status != PoseStatus::kOk) break;  // collinear without m
     if (residual_ratio(current, without_m) < options.orpe.rho) break;
-    estimate.removed.push_back(kept_indices[m]);
-    kept_indices.erase(kept_indices.begin() + static_cast<std::ptrdiff_t>(m));
+    estimate.removed.push_back(kept[current.largest_index]);
     kept = std::move(rest);
     current = without_m;
   }
@@ -175,14 +197,11 @@ PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options
   estimate.status = current.status;
   if (estimate.status != PoseStatus::kOk) return estimate;
 
-  const std::optional<Matrix6d> covariance = unit_covariance(kept, current.cam_from_centred);
-  if (!covariance) {
-    estimate.status = PoseStatus::kDegenerate;
-    return estimate;
+  const FitPoints points = {c, kept, {}};
+  if (options.orpe.final == OrpeOptions::Final::kMinimax) {
+    return with_pose(std::move(estimate), points, current.cam_from_centred);
   }
-  estimate.cam_from_target = from_centred(current.cam_from_centred, kept);
-  estimate.unit_covariance = covariance_from_centred(*covariance, current.cam_from_centred, kept);
-  return estimate;
+  return with_least_squares(std::move(estimate), points, current.cam_from_centred, options.lspe);
 }
 
 }  // namespace sightline

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// outlier/<solver>/<points>: every solver of the catalogue, start-free, on points with noise of 1
+// px and one outlier. outlier/orpe_weighed/8/k=<outliers>: the same with 0 to 3 outliers.
+#include <string>
+
+#include <benchmark/benchmark.h>
+
+#include "eval/benchmarks/benches.h"
+#include "eval/benchmarks/pose_problems.h"
+
+namespace sightline {
+namespace {
+
+void run(benchmark::State& state, const PoseSolver& solver, const ProblemLaw& law) {
+  const std::vector<PoseCase> cases = draw_pose_cases(law);
+  const SolverOptions options;
+  std::size_t next = 0;
+  int failures = 0;
+  for (auto _ : state) {
+    const PoseEstimate estimate = solver.solve(cases[next].problem, options);
+    failures += estimate.status != PoseStatus::kOk;
+    next = (next + 1) % cases.size();
+  }
+  state.counters["failed"] = benchmark::Counter(failures, benchmark::Counter::kAvgIterations);
+}
+
+void add(const PoseSolver& solver, const ProblemLaw& law, const std::string& name) {
+  benchmark::RegisterBenchmark(
+      name.c_str(), [&solver, law](benchmark::State& state) { run(state, solver, law); });
+}
+
+}  // namespace
+
+Comparison register_outlier() {
+  for (const PoseSolver& solver : pose_solvers()) {
+    for (const int points : {5, 8, 12}) {
+      add(solver, {.points = points, .outliers = 1},
+          "outlier/" + std::string(solver.name) + "/" + std::to_string(points));
+    }
+  }
+  for (const int outliers : {0, 1, 2, 3}) {
+    add(*find_pose_solver("orpe_weighed"), {.points = 8, .outliers = outliers},
+        "outlier/orpe_weighed/8/k=" + std::to_string(outliers));
+  }
+  return {"outlier", "orpe_weighed", {"huber_tukey", "gnc", "ransac_p3p", "opencv_ransac"}};
+}
+
+}  // namespace sightline
