@@ -52,20 +52,6 @@ double mean_angle_error_rad(const Eigen::Matrix3d& estimated, const Eigen::Matri
   return sum / 3;
 }
 
-std::string_view to_string(OrientationStatus status) {
-  switch (status) {
-    case OrientationStatus::kOk:
-      return "ok";
-    case OrientationStatus::kTooFewPoints:
-      return "too_few_points";
-    case OrientationStatus::kDegenerate:
-      return "degenerate";
-    case OrientationStatus::kNotFinite:
-      return "not_finite";
-  }
-  return "failed";
-}
-
 // Adds one copy's errors to the sums. Not std::min alone: a NaN must count as the cap.
 void add_errors(const OrientationEstimate& estimate, const Pose& truth, OrientationRecord& sums) {
   const bool is_ok = estimate.status == OrientationStatus::kOk;

@@ -514,7 +514,7 @@ PoseEstimate with_least_squares(PoseEstimate estimate, const FitPoints& points,
   return with_pose(std::move(estimate), points, fit.cam_from_centred);
 }
 
-std::size_t removal_limit(std::size_t points, const OutlierOptions& options) {
+std::size_t minority_limit(std::size_t points, const OutlierOptions& options) {
   constexpr std::size_t kFewestKept = 4;
   const std::size_t most = points > kFewestKept ? points - kFewestKept : 0;
   const std::size_t minority = points > 0 ? (points - 1) / 2 : 0;

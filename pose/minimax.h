@@ -56,7 +56,7 @@ PoseEstimate with_least_squares(PoseEstimate estimate, const FitPoints& points,
 /// How many of so many points may be removed at most: OutlierOptions::max_removed, or fewer than
 /// half of them where that is not said, and in either case no more than leave two redundant
 /// coordinates, 2 (points - removed) - 6 >= 2.
-std::size_t removal_limit(std::size_t points, const OutlierOptions& options);
+std::size_t minority_limit(std::size_t points, const OutlierOptions& options);
 
 /// What of a pose a minimax fit may change.
 enum class FreePart { kPose, kRotation, kTranslation };

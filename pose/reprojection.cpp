@@ -16,6 +16,16 @@ std::size_t lanes_for(std::size_t points) {
   return (points + kernel::kLanes - 1) / kernel::kLanes;
 }
 
+/// From an upper triangle row by row.
+Matrix6d symmetric_from(const double (&upper)[21]) {
+  Matrix6d m;
+  const double* next = upper;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) m(row, column) = m(column, row) = *next++;
+  }
+  return m;
+}
+
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d m;
   m << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
@@ -278,14 +288,16 @@ kernel::RigidPose rigid_from(const Pose& pose) {
 std::optional<Matrix6d> inverse_of(const kernel::NormalEquations& model) {
   double upper[21];
   if (!kernel::invert(model.hessian, upper)) return std::nullopt;
-  Matrix6d inverse;
-  const double* next = upper;
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) {
-      inverse(row, column) = inverse(column, row) = *next++;
-    }
+  return symmetric_from(upper);
+}
+
+std::optional<Matrix6d> information_at(const PackedPoints& points, const Pose& cam_from_centred) {
+  kernel::NormalEquations model;
+  const auto lanes = points.lanes();
+  if (!kernel::normal_equations(lanes.data(), lanes.size(), rigid_from(cam_from_centred), model)) {
+    return std::nullopt;
   }
-  return inverse;
+  return symmetric_from(model.hessian);
 }
 
 }  // namespace sightline

@@ -215,6 +215,9 @@ kernel::RigidPose rigid_from(const Pose& pose);
 /// The inverse of a fit's Hessian, as inverse_information.
 std::optional<Matrix6d> inverse_of(const kernel::NormalEquations& model);
 
+/// J^T W J at a pose. None when a point that counts is behind the camera.
+std::optional<Matrix6d> information_at(const PackedPoints& points, const Pose& cam_from_centred);
+
 /// Least squares on correspondences.
 struct LeastSquares {
   PoseStatus status = PoseStatus::kDiverged;
@@ -229,5 +232,11 @@ struct LeastSquares {
 /// lie behind the camera, and is not looked at.
 LeastSquares least_squares(const Correspondences& c, std::span<const Pose> cam_from_centred_starts,
                            const LspeOptions& options, std::span<const double> weights = {});
+
+/// The same on points packed with weights of any kind; unit_covariance is then the inverse of the
+/// weighted Hessian.
+LeastSquares least_squares(const PackedPoints& points,
+                           std::span<const Pose> cam_from_centred_starts,
+                           const LspeOptions& options);
 
 }  // namespace sightline

@@ -34,22 +34,6 @@ Eigen::Matrix2d lens_jacobian(const Camera& camera, const Eigen::Vector2d& undis
          focal.cwiseInverse().asDiagonal();
 }
 
-/// Half the weighted sum of squares. None when a point is behind the camera.
-std::optional<LocalModel> weighted_model(const WhitenedCorrespondences& c,
-                                         std::span<const double> weights, const Pose& pose) {
-  LocalModel model;
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const double weight = weights.empty() ? 1.0 : weights[i];
-    if (weight == 0) continue;
-    const std::optional<Reprojection> r = whitened_reprojection(c, i, pose);
-    if (!r) return std::nullopt;
-    model.cost += 0.5 * weight * r->residual_px.squaredNorm();
-    model.gradient.noalias() += weight * r->jacobian.transpose() * r->residual_px;
-    model.hessian.noalias() += weight * r->jacobian.transpose() * r->jacobian;
-  }
-  return model;
-}
-
 std::uint64_t hash_of(const Eigen::Vector2d& pixel) {
   const std::uint64_t v = mixed_bits(std::bit_cast<std::uint64_t>(pixel.y()));
   return mixed_bits(std::bit_cast<std::uint64_t>(pixel.x()) + 0x9e3779b97f4a7c15u * v);
@@ -110,34 +94,21 @@ std::vector<double> squared_residuals(const WhitenedCorrespondences& c,
   return squares;
 }
 
+PackedPoints packed(const WhitenedCorrespondences& c, std::span<const double> weights) {
+  if (c.whitening.empty()) return PackedPoints(c.points, weights);
+  std::vector<Eigen::Matrix2d> matrices;
+  matrices.reserve(c.size());
+  for (std::size_t i = 0; i < c.size(); ++i) {
+    const double weight = weights.empty() ? 1.0 : weights[i];
+    matrices.push_back(weight * c.whitening[i].transpose() * c.whitening[i]);
+  }
+  return PackedPoints(c.points, matrices);
+}
+
 LeastSquares whitened_least_squares(const WhitenedCorrespondences& c,
                                     std::span<const Pose> cam_from_centred_starts,
                                     const LspeOptions& options, std::span<const double> weights) {
-  if (c.whitening.empty()) {
-    return least_squares(c.points, cam_from_centred_starts, options, weights);
-  }
-  LeastSquares result;
-  result.status = PoseStatus::kDegenerate;
-  Matrix6d information = Matrix6d::Zero();
-  const auto evaluate = [&](const Pose& pose) { return weighted_model(c, weights, pose); };
-  for (std::size_t k = 0; k < cam_from_centred_starts.size(); ++k) {
-    const Minimum minimum = minimise(cam_from_centred_starts[k], evaluate, options.max_iterations,
-                                     options.step_tolerance);
-    result.iterations += minimum.iterations;
-    const bool is_ok = minimum.status == PoseStatus::kOk;
-    const bool was_ok = result.status == PoseStatus::kOk;
-    const bool is_lower = 2 * minimum.model.cost < result.cost_px2;
-    if (k > 0 && !(is_ok && (!was_ok || is_lower))) continue;
-    result.status = minimum.status;
-    result.cam_from_centred = minimum.pose;
-    result.cost_px2 = 2 * minimum.model.cost;
-    information = minimum.model.hessian;
-  }
-  if (result.status != PoseStatus::kOk) return result;
-  const std::optional<Matrix6d> covariance = inverse_information(information);
-  if (covariance) result.unit_covariance = *covariance;
-  if (!covariance) result.status = PoseStatus::kDegenerate;
-  return result;
+  return least_squares(packed(c, weights), cam_from_centred_starts, options);
 }
 
 double tail_probability(double false_alarm_rate, std::size_t n) {
@@ -216,8 +187,7 @@ RobustFit fit_huber(const WhitenedCorrespondences& c, const Pose& start,
 
 Matrix6d weighted_information(const WhitenedCorrespondences& c, const Pose& cam_from_centred,
                               std::span<const double> weights) {
-  const std::optional<LocalModel> model = weighted_model(c, weights, cam_from_centred);
-  return model ? model->hessian : Matrix6d::Zero();
+  return information_at(packed(c, weights), cam_from_centred).value_or(Matrix6d::Zero());
 }
 
 PoseEstimate estimate_of_failure(PoseStatus status) {

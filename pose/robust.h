@@ -61,6 +61,9 @@ std::optional<Reprojection> whitened_reprojection(const WhitenedCorrespondences&
 std::vector<double> squared_residuals(const WhitenedCorrespondences& c,
                                       const Pose& cam_from_centred);
 
+/// The points for the kernel: r^T W_i^T W_i r, times a weight each where there are weights.
+PackedPoints packed(const WhitenedCorrespondences& c, std::span<const double> weights = {});
+
 /// least_squares on whitened residuals; cost_px2 is the sum of their weighted squares.
 LeastSquares whitened_least_squares(const WhitenedCorrespondences& c,
                                     std::span<const Pose> cam_from_centred_starts,

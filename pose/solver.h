@@ -82,7 +82,7 @@ struct OutlierOptions {
   double probability = 0.1;        ///< of a point being an outlier
   double scale_px = 20;            ///< standard deviation of an outlier's error, each coordinate
   double false_alarm_rate = 0.01;  ///< of removing anything from points that have no outlier
-  std::optional<int> max_removed;  ///< none: as many as leave the solver two redundant points
+  std::optional<int> max_removed;  ///< none: the solver's own limit, which its file states
 };
 
 struct SolverOptions {

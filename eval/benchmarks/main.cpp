@@ -3,6 +3,7 @@
 #include <iostream>
 
 #include <benchmark/benchmark.h>
+#include <unistd.h>
 
 #include "eval/benchmarks/benches.h"
 
@@ -14,7 +15,7 @@ int main(int argc, char** argv) {
   };
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  sightline::RememberingReporter reporter;
+  sightline::RememberingReporter reporter(isatty(STDOUT_FILENO) != 0);
   benchmark::RunSpecifiedBenchmarks(&reporter);
   benchmark::Shutdown();
   std::cout << sightline::ratio_tables(comparisons, reporter.best_ns());

@@ -163,19 +163,24 @@ double off_sd(const PeerCase& c, const Pose& estimate) {
 void run(benchmark::State& state, const Method& method, const ProblemLaw& law) {
   std::vector<PeerCase> cases;
   for (const PoseCase& c : draw_pose_cases(law)) cases.push_back(peer_case(c));
+  double sum2 = 0;
+  try {
+    for (const PeerCase& c : cases) sum2 += std::pow(off_sd(c, method(c)), 2);
+  } catch (const cv::Exception& error) {
+    // SQPnP takes many points of a small target for coincident.
+    state.SkipWithError(error.err.c_str());
+    return;
+  }
   std::size_t next = 0;
   for (auto _ : state) {
     benchmark::DoNotOptimize(method(cases[next]));
     next = (next + 1) % cases.size();
   }
-  double sum2 = 0;
-  for (const PeerCase& c : cases) sum2 += std::pow(off_sd(c, method(c)), 2);
   state.counters["off_sd"] = std::sqrt(sum2 / static_cast<double>(cases.size()));
 }
 
-void add(const std::string& name, const Method& method, bool has_start, int least_points = 4) {
-  for (const int points : {4, 6, 8, 12, 50, 200}) {
-    if (points < least_points) continue;
+void add(const std::string& name, const Method& method, bool has_start) {
+  for (const int points : {6, 8, 12, 50, 200}) {
     const ProblemLaw law = {.points = points, .has_start = has_start};
     benchmark::RegisterBenchmark(
         ("pnp/" + name + "/" + std::to_string(points)).c_str(),
@@ -192,9 +197,9 @@ Comparison register_pnp() {
   add("opencv_refine", opencv_refine, true);
   add("opengv_nonlinear", opengv_nonlinear, true);
   add("ceres", ceres_solve, true);
-  add("opencv_epnp", opencv_solve(cv::SOLVEPNP_EPNP, false), false, 5);
+  add("opencv_epnp", opencv_solve(cv::SOLVEPNP_EPNP, false), false);
   add("opencv_sqpnp", opencv_solve(cv::SOLVEPNP_SQPNP, false), false);
-  add("opengv_epnp", opengv_epnp, false, 6);
+  add("opengv_epnp", opengv_epnp, false);
   return {"pnp",
           "lspe",
           {"opencv_iterative", "opencv_refine", "opencv_epnp", "opencv_sqpnp", "opengv_nonlinear",

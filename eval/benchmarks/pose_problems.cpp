@@ -36,8 +36,7 @@ std::vector<Eigen::Vector3d> cube_points(int count, Draw& draw) {
   std::vector<Eigen::Vector3d> points;
   for (const double x : {-0.5, 0.5}) {
     for (const double y : {-0.5, 0.5}) {
-      // Four of them are no rectangle.
-      for (const double z : {-0.5, 0.5}) points.emplace_back(x, y, x * y > 0 ? z : -z);
+      for (const double z : {-0.5, 0.5}) points.emplace_back(x, y, z);
     }
   }
   while (static_cast<int>(points.size()) < count) {
@@ -45,7 +44,6 @@ std::vector<Eigen::Vector3d> cube_points(int count, Draw& draw) {
     for (double& x : p) x = draw.uniform(-0.5, 0.5);
     points.push_back(p);
   }
-  if (count == 4) return {points[0], points[3], points[5], points[6]};
   points.resize(count);
   return points;
 }

@@ -25,6 +25,6 @@ struct ProblemLaw {
 
 /// As many problems as a benchmark goes through in turn: enough that no branch predictor learns
 /// them. The same for every solver.
-std::vector<PoseCase> draw_pose_cases(const ProblemLaw& law, std::size_t count = 256);
+std::vector<PoseCase> draw_pose_cases(const ProblemLaw& law, std::size_t count = 64);
 
 }  // namespace sightline

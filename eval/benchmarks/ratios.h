@@ -21,6 +21,10 @@ struct Comparison {
 /// time.
 class RememberingReporter : public benchmark::ConsoleReporter {
  public:
+  /// Colours are for terminals.
+  explicit RememberingReporter(bool is_terminal)
+      : ConsoleReporter(is_terminal ? OO_ColorTabular : OO_Tabular) {}
+
   void ReportRuns(const std::vector<Run>& runs) override;
 
   const std::map<std::string, double>& best_ns() const { return best_ns_; }

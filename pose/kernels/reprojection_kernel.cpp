@@ -184,13 +184,11 @@ Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int 
   while (result.iterations < max_iterations) {
     ++result.iterations;
     const NormalEquations& model = models[best];
-    Factor factor;
-    if (!factorise(model.hessian, damping, factor)) {
+    double delta[6];
+    if (!solve_by_blocks(model.hessian, damping, model.gradient, delta)) {
       damping *= kDampingFactor;
       continue;
     }
-    double delta[6];
-    solve(factor, model.gradient, delta);
     const bool is_end = is_short(delta, result.pose, step_tolerance) ||
                         promised_decrease(model, delta, damping) < kEpsilon * model.cost;
     const RigidPose candidate = moved(result.pose, delta);

@@ -48,12 +48,17 @@ PoseStatus status_of(const kernel::Fit& fit) {
 
 LeastSquares least_squares(const Correspondences& c, std::span<const Pose> cam_from_centred_starts,
                            const LspeOptions& options, std::span<const double> weights) {
+  return least_squares(PackedPoints(c, weights), cam_from_centred_starts, options);
+}
+
+LeastSquares least_squares(const PackedPoints& points,
+                           std::span<const Pose> cam_from_centred_starts,
+                           const LspeOptions& options) {
   LeastSquares result;
   if (cam_from_centred_starts.empty()) {
     result.status = PoseStatus::kDegenerate;
     return result;
   }
-  const PackedPoints points(c, weights);
   kernel::Fit best;
   for (const Pose& start : cam_from_centred_starts) {
     const kernel::Fit fit = points.fit(start, options.max_iterations, options.step_tolerance);
@@ -75,11 +80,12 @@ namespace {
 
 /// Beyond this turn a start is no guess at the minimum it led to: in one of some hundred clouds of
 /// eight points that is a local one.
-constexpr double kFarStartRad = 0.5;
+constexpr double kFarStartCosine = 0.8775825618903728;  // of 0.5 rad
 
 bool has_gone_far(const LeastSquares& solution, const Pose& initial) {
-  return solution.status == PoseStatus::kOk &&
-         geodesic_angle_rad(solution.cam_from_centred.rotation, initial.rotation) > kFarStartRad;
+  // The trace of the turn between two rotations is 1 + 2 cos.
+  const double trace = solution.cam_from_centred.rotation.cwiseProduct(initial.rotation).sum();
+  return solution.status == PoseStatus::kOk && trace < 1 + 2 * kFarStartCosine;
 }
 
 LeastSquares better_of(const LeastSquares& first, const LeastSquares& second) {

@@ -133,7 +133,7 @@ PoseEstimate solve_orpe_calibrated(const PoseProblem& problem, const SolverOptio
     estimate.status = PoseStatus::kDiverged;
     return estimate;
   }
-  const std::size_t limit = removal_limit(c.size(), options.outliers);
+  const std::size_t limit = minority_limit(c.size(), options.outliers);
   std::vector<Stage> stages = {std::move(*stage)};
   while (stages.size() <= limit) {
     std::vector<int> kept = stages.back().kept;

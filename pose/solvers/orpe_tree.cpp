@@ -45,6 +45,7 @@
 #include "pose/minimax.h"
 #include "pose/minimax_null.h"
 #include "pose/reprojection.h"
+#include "pose/robust.h"
 #include "pose/solvers/solvers.h"
 
 namespace sightline {
@@ -116,19 +117,6 @@ class Search {
   int iterations_ = 0;
 };
 
-/// L^-1 of each covariance L L^T; none where one is not positive definite.
-std::optional<std::vector<Eigen::Matrix2d>> whitening_of(
-    const std::vector<Eigen::Matrix2d>& covariances_px2) {
-  std::vector<Eigen::Matrix2d> whitening;
-  for (const Eigen::Matrix2d& covariance : covariances_px2) {
-    const Eigen::LLT<Eigen::Matrix2d> cholesky(covariance);
-    if (!covariance.allFinite() || cholesky.info() != Eigen::Success) return std::nullopt;
-    whitening.push_back(cholesky.matrixL().solve(Eigen::Matrix2d::Identity()));
-    if (!whitening.back().allFinite()) return std::nullopt;
-  }
-  return whitening;
-}
-
 /// The root-mean-square residual per degree of freedom of what outward tests keep. Zero when they
 /// fail or leave no freedom: then only exact data pass.
 double noise_of_what_is_kept(const PoseProblem& problem, const Correspondences& c,
@@ -161,23 +149,16 @@ const Node* best_of(const std::vector<std::vector<Node>>& levels) {
 
 PoseEstimate solve_orpe_tree(const PoseProblem& problem, const SolverOptions& options) {
   PoseEstimate estimate;
-  const PreparedProblem prepared = prepare(problem);
+  const PreparedWhitened prepared = prepare_whitened(problem);
   estimate.status = prepared.status;
   if (estimate.status != PoseStatus::kOk) return estimate;
-  const Correspondences& c = prepared.correspondences;
+  const WhitenedCorrespondences& whitened = prepared.correspondences;
+  const Correspondences& c = whitened.points;
   const std::size_t n = c.size();
-  if (!problem.covariances_px2.empty() && problem.covariances_px2.size() != n) return {};
-  const std::optional<std::vector<Eigen::Matrix2d>> whitening =
-      whitening_of(problem.covariances_px2);
-  if (!whitening || !std::isfinite(problem.sigma_px) || problem.sigma_px < 0) {
-    estimate.status = PoseStatus::kDegenerate;
-    return estimate;
-  }
-  const double sigma = !whitening->empty()    ? 1
-                       : problem.sigma_px > 0 ? problem.sigma_px
-                                              : noise_of_what_is_kept(problem, c, options);
+  const double sigma =
+      whitened.sigma > 0 ? whitened.sigma : noise_of_what_is_kept(problem, c, options);
 
-  Search search(c, *whitening, sigma, options.outliers.false_alarm_rate);
+  Search search(c, whitened.whitening, sigma, options.outliers.false_alarm_rate);
   std::vector<int> all(n);
   std::iota(all.begin(), all.end(), 0);
   std::vector<std::vector<Node>> levels;  // one a branch
@@ -192,7 +173,7 @@ PoseEstimate solve_orpe_tree(const PoseProblem& problem, const SolverOptions& op
   if (levels.empty()) return estimate;
 
   Node best = *best_of(levels);
-  const std::size_t limit = removal_limit(n, options.outliers);
+  const std::size_t limit = minority_limit(n, options.outliers);
   for (std::size_t removals = 0; !best.is_passed() && removals < limit; ++removals) {
     for (std::vector<Node>& level : levels) level = search.children(level);
     const Node* level_best = best_of(levels);

@@ -28,11 +28,11 @@
 // threshold) and of Bayesian outlier models (Box and Tiao 1968).
 //
 // Needs four points that are not collinear, or three with an initial pose. The noise is that of
-// covariances_px2 (taken as those of the undistorted pixels), else sigma_px; where neither is given
-// it is unknown and integrated out under a scaled inverse chi-square prior (kPriorDegrees,
-// kPriorSigmaPx), and step 4 is left out: the linear weights proved better there. Uses
-// OutlierOptions::probability, scale_px and max_removed; never tries more than kMaxRemoved points
-// or kMaxSets sets. Nothing random; of equals the set that comes first wins.
+// covariances_px2, else sigma_px; where neither is given it is unknown and integrated out under a
+// scaled inverse chi-square prior (kPriorDegrees, kPriorSigmaPx), and the weights stay those of the
+// linear model, which proved better there. Uses OutlierOptions::probability, scale_px and
+// max_removed (by default 1, 3 and 4 of 5, 8 and 12 points); never tries more than kMaxRemoved
+// points or kMaxSets sets. Nothing random; of equals the set that comes first wins.
 
 #include <algorithm>
 #include <array>
@@ -42,6 +42,7 @@
 
 #include "pose/kernels/removal_kernel.h"
 #include "pose/reprojection.h"
+#include "pose/robust.h"
 #include "pose/solvers/solvers.h"
 
 namespace sightline {
@@ -98,7 +99,7 @@ struct Setting {
 };
 
 /// Of 5, 8 and 12 points 1, 3 and 4; at least four points are kept.
-int removal_limit(int n, const OutlierOptions& options) {
+int own_removal_limit(int n, const OutlierOptions& options) {
   int limit = options.max_removed ? std::min(*options.max_removed, kMaxRemoved)
                                   : std::min(3 * n / 8, kDefaultMaxRemoved);
   limit = std::clamp(n - kMinimumPosePoints, 0, std::max(limit, 0));
@@ -106,42 +107,29 @@ int removal_limit(int n, const OutlierOptions& options) {
   return limit;
 }
 
-/// None unless the covariance is positive definite.
-std::optional<PointPrior> prior_of(const Eigen::Matrix2d& covariance_px2, bool is_sigma_known,
-                                   const OutlierOptions& options) {
-  const double det = covariance_px2.determinant();
-  if (!(covariance_px2(0, 0) > 0 && det > 0 && std::isfinite(det))) return std::nullopt;
+/// `information`: the inverse covariance of an inlier.
+PointPrior prior_of(const Eigen::Matrix2d& information, bool is_sigma_known,
+                    const OutlierOptions& options) {
   const double odds = options.probability / (1 - options.probability);
   const double slab_px2 = options.scale_px * options.scale_px;
   PointPrior prior;
-  prior.information = covariance_px2.inverse();
-  prior.gamma = is_sigma_known ? std::sqrt(det) / slab_px2 : kUnknownGamma;
+  prior.information = information;
+  prior.gamma =
+      is_sigma_known ? 1 / (slab_px2 * std::sqrt(information.determinant())) : kUnknownGamma;
   prior.log_odds = std::log(odds * (is_sigma_known ? prior.gamma : 1 / slab_px2));
   return prior;
 }
 
-/// None where a covariance is not positive definite or one is missing.
-std::optional<Setting> setting_of(const PoseProblem& problem, const Correspondences& c,
-                                  const OutlierOptions& options) {
-  const bool has_covariances = !problem.covariances_px2.empty();
-  if (has_covariances && problem.covariances_px2.size() != c.size()) return std::nullopt;
+Setting setting_of(const WhitenedCorrespondences& c, const OutlierOptions& options) {
   Setting s;
-  s.c = &c;
-  s.is_sigma_known = has_covariances || problem.sigma_px > 0;
-  s.max_removed = removal_limit(s.n(), options);
-  if (has_covariances) {
-    s.points.reserve(c.size());
-    for (const Eigen::Matrix2d& covariance : problem.covariances_px2) {
-      const auto prior = prior_of(covariance, true, options);
-      if (!prior) return std::nullopt;
-      s.points.push_back(*prior);
-    }
-  } else {
-    const double sigma_px = problem.sigma_px > 0 ? problem.sigma_px : 1;
-    const auto prior =
-        prior_of(sigma_px * sigma_px * Eigen::Matrix2d::Identity(), s.is_sigma_known, options);
-    if (!prior) return std::nullopt;
-    s.points.assign(c.size(), *prior);
+  s.c = &c.points;
+  s.is_sigma_known = c.sigma > 0;
+  s.max_removed = own_removal_limit(s.n(), options);
+  const double variance = s.is_sigma_known ? c.sigma * c.sigma : 1;
+  const Eigen::Matrix2d common = Eigen::Matrix2d::Identity() / variance;
+  s.points.assign(c.size(), prior_of(common, s.is_sigma_known, options));
+  for (std::size_t i = 0; i < c.whitening.size(); ++i) {
+    s.points[i] = prior_of(c.whitening[i].transpose() * c.whitening[i], true, options);
   }
   for (const PointPrior& prior : s.points) s.gamma.push_back(prior.gamma);
   return s;
@@ -684,13 +672,9 @@ std::optional<MostProbable> fit_kept(const Setting& s, const PackedPoints& point
   }
   std::vector<double> ones(s.c->size(), 1.0);
   for (const int i : best.set.span()) ones[i] = 0;
-  const PackedPoints unit(*s.c, ones);
-  kernel::NormalEquations model;
-  if (!kernel::normal_equations(unit.lanes().data(), unit.lanes().size(), rigid_from(result.pose),
-                                model)) {
-    return std::nullopt;
-  }
-  const std::optional<Matrix6d> unit_covariance = inverse_of(model);
+  const std::optional<Matrix6d> information = information_at(PackedPoints(*s.c, ones), result.pose);
+  if (!information) return std::nullopt;
+  const std::optional<Matrix6d> unit_covariance = inverse_information(*information);
   if (!unit_covariance) return std::nullopt;
   result.unit_covariance = *unit_covariance;
   return result;
@@ -700,14 +684,12 @@ std::optional<MostProbable> fit_kept(const Setting& s, const PackedPoints& point
 
 PoseEstimate solve_orpe_weighed(const PoseProblem& problem, const SolverOptions& options) {
   PoseEstimate estimate;
-  const PreparedProblem prepared = prepare(problem);
+  const PreparedWhitened prepared = prepare_whitened(problem);
   estimate.status = prepared.status;
   if (estimate.status != PoseStatus::kOk) return estimate;
-  const Correspondences& c = prepared.correspondences;
-  const std::optional<Setting> setting = setting_of(problem, c, options.outliers);
+  const Setting s = setting_of(prepared.correspondences, options.outliers);
+  const Correspondences& c = *s.c;
   estimate.status = PoseStatus::kDegenerate;
-  if (!setting) return estimate;
-  const Setting& s = *setting;
 
   const PackedPoints points = packed(s);
   Linear linear;

@@ -261,17 +261,17 @@ TEST(RemovalLimit, LeavesAMajorityAndTwoRedundantCoordinates) {
   const OutlierOptions unsaid;
   const std::vector<std::size_t> expected = {0, 0, 0, 0, 0, 1, 2, 3, 3, 4, 4, 5, 5};
   for (std::size_t n = 0; n < expected.size(); ++n)
-    EXPECT_EQ(removal_limit(n, unsaid), expected[n]);
+    EXPECT_EQ(minority_limit(n, unsaid), expected[n]);
 
   OutlierOptions said;
   said.max_removed = 6;
-  EXPECT_EQ(removal_limit(12, said), 6u);
-  EXPECT_EQ(removal_limit(8, said), 4u);
-  EXPECT_EQ(removal_limit(3, said), 0u);
+  EXPECT_EQ(minority_limit(12, said), 6u);
+  EXPECT_EQ(minority_limit(8, said), 4u);
+  EXPECT_EQ(minority_limit(3, said), 0u);
   said.max_removed = 0;
-  EXPECT_EQ(removal_limit(8, said), 0u);
+  EXPECT_EQ(minority_limit(8, said), 0u);
   said.max_removed = -1;
-  EXPECT_EQ(removal_limit(8, said), 0u);
+  EXPECT_EQ(minority_limit(8, said), 0u);
 }
 
 // The solver

@@ -279,7 +279,7 @@ TEST(OrpeWeighed, CovariancesThatAreNoneAreDegenerate) {
     EXPECT_EQ(weighed(worse).status, PoseStatus::kDegenerate) << bad;
   }
   problem.covariances_px2.pop_back();
-  EXPECT_EQ(weighed(problem).status, PoseStatus::kDegenerate);
+  EXPECT_EQ(weighed(problem).status, PoseStatus::kTooFewPoints);
 }
 
 TEST(OrpeWeighed, MostProbablePoseIsLeastSquaresOnWhatIsKept) {
