@@ -103,6 +103,20 @@ TEST(Layers, PoseNeedsNothingButEigen) {
   }
 }
 
+/// They are compiled for several processors, which Eigen must not be.
+bool is_fit_for_kernels(const Include& include) {
+  return include.is_quoted ? include.name.starts_with("pose/kernels/")
+                           : include.name.find_first_of("/.") == std::string::npos;
+}
+
+TEST(Layers, KernelsIncludeNoEigen) {
+  for (const Include& include : includes_below("pose/kernels")) {
+    EXPECT_TRUE(is_fit_for_kernels(include)) << include.file << " includes " << include.name;
+  }
+  EXPECT_FALSE(is_fit_for_kernels({"a.cpp", "Eigen/Core", false}));
+  EXPECT_FALSE(is_fit_for_kernels({"a.cpp", "pose/pose.h", true}));
+}
+
 TEST(Layers, PublicHeadersAreLight) {
   for (const auto& [folder, allowed] : kAllowed) {
     for (const Include& include : includes_below(folder)) {

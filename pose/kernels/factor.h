@@ -4,7 +4,7 @@
 // Symmetric 6x6 matrices, of which kernels hold the upper triangle row by row.
 #pragma once
 
-#include <math.h>
+#include <cmath>
 
 namespace sightline::kernel {
 

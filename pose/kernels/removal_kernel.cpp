@@ -4,7 +4,7 @@
 
 #include <initializer_list>
 
-#include <math.h>
+#include <cmath>
 
 #include "pose/kernels/factor.h"
 #include "pose/kernels/lanes.h"

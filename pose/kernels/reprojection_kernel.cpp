@@ -6,7 +6,7 @@
 
 #include "pose/kernels/reprojection_kernel.h"
 
-#include <math.h>
+#include <cmath>
 
 #include "pose/kernels/factor.h"
 #include "pose/kernels/lanes.h"

@@ -289,12 +289,13 @@ TEST(NumericTrial, TellsSolversWhatTheStudySaysAndNoMore) {
   const auto plain = problems_of({});
   ASSERT_EQ(plain.size(), 2u);
   EXPECT_EQ(plain[0].points_in_target.size(), 8u);
-  EXPECT_EQ(plain[0].sigma_px, 0);
+  EXPECT_EQ(plain[0].sigma_px, 2);
+  EXPECT_EQ(problems_of({"solver.sigma=unknown"})[0].sigma_px, 0);
   EXPECT_FALSE(plain[0].initial_cam_from_target.has_value());
   EXPECT_TRUE(plain[0].true_inliers.empty());
   EXPECT_TRUE(plain[0].covariances_px2.empty());
   EXPECT_EQ(std::count(plain[1].true_inliers.begin(), plain[1].true_inliers.end(), false), 2);
-  EXPECT_EQ(problems_of({"solver.sigma=known", "noise.scale=2"})[0].sigma_px, 4);
+  EXPECT_EQ(problems_of({"noise.scale=2"})[0].sigma_px, 4);
   EXPECT_TRUE(problems_of({"solver.start=prior"})[0].initial_cam_from_target.has_value());
 }
 
@@ -337,10 +338,12 @@ TEST(NumericSummary, BoundFollowsTheNoiseAppliedAndThereIsNoneWithoutNoise) {
   EXPECT_LT(json["cells"][0]["geodesic_deg"]["rms"].get<double>(), 1e-6) << "ORPE, exact pixels";
 }
 
-OrientationEstimate never(std::span<const Eigen::Vector3d>, std::span<const Eigen::Vector3d>) {
-  return {OrientationStatus::kDegenerate, {}};
+template <typename Scalar>
+OrientationEstimate never(std::span<const Eigen::Matrix<Scalar, 3, 1>>,
+                          std::span<const Eigen::Matrix<Scalar, 3, 1>>, std::span<const double>) {
+  return {OrientationStatus::kDegenerate, {}, 1};
 }
-constexpr OrientationMethod kNever{"never", "fails", never};
+constexpr OrientationMethod kNever{"never", "fails", never<double>, never<float>};
 
 TEST(OrientationTrial, IsExactWithoutNoiseAndGrowsWithIt) {
   const auto error_at = [](const char* scale) {

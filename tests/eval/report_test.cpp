@@ -298,7 +298,7 @@ TEST(Report, OfAnOrientationStudyComparesMethodsWithTheFirst) {
   report.study.kind = StudyKind::kOrientation;
   report.study.solvers.clear();
   report.study.pairs.timed_repeats = 10;
-  const OrientationMethod other{"other_way", "", nullptr};
+  const OrientationMethod other{"other_way", "", nullptr, nullptr};
   report.study.methods = {find_orientation_method("fast"), &other};
   report.summary.cells.clear();
   for (int condition = 0; condition < 2; ++condition) {
