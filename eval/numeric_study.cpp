@@ -102,6 +102,16 @@ void read_numeric_sweep(const TomlTable& table, Study& study) {
   }
 }
 
+void read_limits(const TomlTable& table, Study& study) {
+  if (!table.has("limits")) return;
+  const TomlTable limits = table.table("limits");
+  study.limits = ClaimLimits{
+      .solver = limits.choice("solver", names_of(pose_solvers()), "orpe"),
+      .theta_error_deg = limits.number("theta_error_deg", {0, 180}),
+      .t_error_percent = limits.number("t_error_percent", {0, 1e6}),
+  };
+}
+
 void read_methods(const TomlTable& table, Study& study) {
   const std::vector<std::string> known = names_of(orientation_methods());
   std::set<std::string> seen;
@@ -130,6 +140,7 @@ void read_numeric_study(const TomlTable& table, Study& study) {
   study.is_sigma_known = table.table("solver").choice("sigma", sigmas, sigmas[0]) == sigmas[1];
   read_target_and_features(table, study);
   read_numeric_sweep(table, study);
+  read_limits(table, study);
 }
 
 void read_orientation_study(const TomlTable& table, Study& study) {

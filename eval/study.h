@@ -89,6 +89,13 @@ struct PointPairs {
   int timed_repeats = 0;  ///< of every solve, for its mean time; 0: nothing is timed
 };
 
+/// What the claim of a numeric study says in numbers: the means of one solver stay below these.
+struct ClaimLimits {
+  std::string solver;
+  double theta_error_deg = 0;
+  double t_error_percent = 0;
+};
+
 /// A study as its file states it, checked: a thing that can be run.
 struct Study {
   StudyKind kind = StudyKind::kImages;
@@ -97,6 +104,7 @@ struct Study {
   std::string question;
   std::string reference;  ///< the figure or table of a paper that it repeats; may be empty
   std::string claim;      ///< what the paper says of it, in words; may be empty
+  std::optional<ClaimLimits> limits;
   uint64_t seed = 1;
   int draws = 100;  ///< trials a condition
   std::vector<Condition> conditions;

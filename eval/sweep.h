@@ -34,6 +34,10 @@ CellSummary sweep_cell(const Summary& summary, int condition, const std::string&
 /// Decimals for all values of a quantity: such that those above 0.01 show two or three digits.
 int sweep_decimals(const Summary& summary, const SweepQuantity& quantity);
 
+/// How the paper's claim stands in these trials, a sentence each; empty where the study has nothing
+/// to hold against it.
+std::vector<std::string> claim_verdicts(const Study& study, const Summary& summary);
+
 /// The tables for the terminal.
 std::string sweep_blocks(const Study& study, const Summary& summary);
 

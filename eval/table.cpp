@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "eval/sweep.h"
 #include "eval/text_table.h"
@@ -235,6 +236,8 @@ std::string head(const Study& study, const Summary& summary) {
   std::string text = wrapped(study.title.empty() ? study.name : study.title);
   if (!study.reference.empty()) text += wrapped(study.reference);
   if (!study.claim.empty()) text += wrapped(fmt::format("The paper: {}", study.claim));
+  const std::vector<std::string> verdicts = claim_verdicts(study, summary);
+  if (!verdicts.empty()) text += wrapped(fmt::format("Here: {}", fmt::join(verdicts, " ")));
   const size_t all = study.conditions.size();
   const size_t run =
       std::count_if(summary.observations.begin(), summary.observations.end(), has_trials);

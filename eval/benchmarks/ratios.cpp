@@ -31,13 +31,17 @@ std::set<int> sizes_of(const Times& best_ns, const Comparison& comparison) {
   return sizes;
 }
 
+int width_of(const std::string& method) {
+  return std::max(kWidth, static_cast<int>(method.size()) + 2);
+}
+
 std::string row(const Times& best_ns, const Comparison& comparison, int size) {
   const double ours_ns = *time_ns(best_ns, comparison.family, comparison.ours, size);
   std::ostringstream line;
   line << std::fixed << std::setw(kWidth) << size << std::setprecision(ours_ns < 1e3 ? 1 : 0)
-       << std::setw(kWidth) << ours_ns;
+       << std::setw(width_of(comparison.ours)) << ours_ns;
   for (const std::string& peer : comparison.peers) {
-    const int width = std::max(kWidth, static_cast<int>(peer.size()) + 2);
+    const int width = width_of(peer);
     const auto peer_ns = time_ns(best_ns, comparison.family, peer, size);
     if (!peer_ns) {
       line << std::setw(width + kWidth) << "";
@@ -52,9 +56,9 @@ std::string row(const Times& best_ns, const Comparison& comparison, int size) {
 std::string heading(const Comparison& comparison) {
   std::ostringstream line;
   line << comparison.family << ", CPU time / ns of the fastest repetition, and times ours\n"
-       << std::setw(kWidth) << "size" << std::setw(kWidth) << comparison.ours;
+       << std::setw(kWidth) << "size" << std::setw(width_of(comparison.ours)) << comparison.ours;
   for (const std::string& peer : comparison.peers) {
-    const int width = std::max(kWidth, static_cast<int>(peer.size()) + 2);
+    const int width = width_of(peer);
     line << std::setw(width) << peer << std::setw(kWidth) << "";
   }
   return line.str();

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <kainjow/mustache.hpp>
 
 #include "eval/report/figures.h"
@@ -54,6 +55,7 @@ constexpr const char* kDetails = R"html(
 constexpr const char* kAnswer = R"html(
 {{#has_question}}<p class="question">{{question}}</p>{{/has_question}}
 {{#has_claim}}<p class="lead">The paper: {{claim}}</p>{{/has_claim}}
+{{#has_verdict}}<p class="lead">Here: {{verdict}}</p>{{/has_verdict}}
 <div class="scroll" role="region" aria-label="Worst conditions, table" tabindex="0">
 <table class="sweep">
 <caption><span>Over {{trials}} in {{conditions}}: the worst condition of each, by its value over all
@@ -202,6 +204,7 @@ std::string sweep_answer(const ReportInput& input) {
     if (!quantity.is_detail) headings << quantity.heading;
   }
   const std::vector<std::string> solvers = study.solver_names();
+  const std::vector<std::string> verdicts = claim_verdicts(study, input.summary);
   mustache::data rows(mustache::data::type::list);
   for (const std::string& solver : solvers) rows << mustache::data(answer_row(input, solver));
   return mustache::mustache(kAnswer).render(mustache::object{
@@ -209,6 +212,8 @@ std::string sweep_answer(const ReportInput& input) {
       {"question", study.question},
       {"has_claim", !study.claim.empty()},
       {"claim", study.claim},
+      {"has_verdict", !verdicts.empty()},
+      {"verdict", fmt::to_string(fmt::join(verdicts, " "))},
       {"trials", counted(static_cast<int64_t>(input.trials.size()), "trial")},
       {"conditions", counted(condition_count(study), "condition")},
       {"what", is_orientation(study) ? "Method" : "Solver"},

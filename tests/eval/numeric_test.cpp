@@ -14,6 +14,7 @@
 #include "eval/numeric_trial.h"
 #include "eval/orientation_trial.h"
 #include "eval/summary.h"
+#include "eval/sweep.h"
 #include "pose/attitude.h"
 #include "scenes/input_error.h"
 
@@ -21,7 +22,9 @@ namespace sightline {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 using Settings = std::vector<std::string>;
 
 Study study_with(const std::string& name, int trials, const Settings& settings = {}) {
@@ -336,6 +339,33 @@ TEST(NumericSummary, BoundFollowsTheNoiseAppliedAndThereIsNoneWithoutNoise) {
   EXPECT_EQ(json["cells"].back()["condition"].dump(), R"({"noise_px":4.0})");
   EXPECT_GT(json["cells"].back()["ratio_to_bound"].get<double>(), 0);
   EXPECT_LT(json["cells"][0]["geodesic_deg"]["rms"].get<double>(), 1e-6) << "ORPE, exact pixels";
+}
+
+TEST(ClaimVerdicts, NameTheConditionsBeyondTheLimits) {
+  const auto verdicts = [](const Settings& settings) {
+    const Study study = study_with("cube-outliers", 20, settings);
+    return claim_verdicts(study, summarise(study, run_all(study)));
+  };
+  EXPECT_THAT(
+      verdicts({"limits.theta_error_deg=1.5"}),
+      ElementsAre(HasSubstr("theta_error is below 1.5 degrees but at 2 outliers, 3 outliers"),
+                  HasSubstr("T_error is below 0.9 percent but at")));
+  EXPECT_THAT(verdicts({"limits.theta_error_deg=100", "limits.t_error_percent=0"}),
+              ElementsAre(HasSubstr("in every condition"), HasSubstr("in no condition")));
+  EXPECT_THAT(verdicts({"solvers=['lspe']"}), IsEmpty()) << "the claim is ORPE's";
+  EXPECT_THAT(error_of("cube-outliers", {"limits.solver=nobody"}), HasSubstr("limits.solver"));
+  EXPECT_THAT(error_of("cube-outliers", {"limits.t_error_percent=-1"}),
+              HasSubstr("limits.t_error_percent"));
+}
+
+TEST(ClaimVerdicts, HoldTheFastFormAgainstUmeyama) {
+  const auto verdicts = [](const Settings& settings) {
+    const Study study = study_with("orientation-points", 2, settings);
+    return claim_verdicts(study, summarise(study, run_all(study)));
+  };
+  EXPECT_THAT(verdicts({"copies=2"}), ElementsAre("fast errs 1.0000 to 1.0000 times as much as "
+                                                  "umeyama."));
+  EXPECT_THAT(verdicts({"copies=2", "methods=['fast']"}), IsEmpty());
 }
 
 template <typename Scalar>
