@@ -3,11 +3,13 @@
 #include "eval/catalogue_lists.h"
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "features/extractor.h"
+#include "pose/absolute_orientation.h"
 #include "pose/solver.h"
 #include "scenes/assets.h"
 #include "scenes/input_error.h"
@@ -56,6 +58,14 @@ std::string solvers() {
   return section("solvers", lines);
 }
 
+std::string methods() {
+  std::vector<Line> lines;
+  for (const OrientationMethod& method : orientation_methods()) {
+    lines.push_back({std::string(method.name), std::string(method.summary)});
+  }
+  return section("methods", lines);
+}
+
 std::string studies() {
   std::vector<Line> lines;
   for (const std::string& name : study_names()) {
@@ -70,12 +80,20 @@ std::string studies() {
 }  // namespace
 
 std::string catalogue_lists(const std::string& what) {
-  if (what.empty()) return targets() + "\n" + extractors() + "\n" + solvers() + "\n" + studies();
-  if (what == "targets") return targets();
-  if (what == "extractors") return extractors();
-  if (what == "solvers") return solvers();
-  if (what == "studies") return studies();
-  const std::vector<std::string> known = {"targets", "extractors", "solvers", "studies"};
+  using List = std::pair<std::string, std::string (*)()>;
+  const std::vector<List> lists = {{"targets", targets},
+                                   {"extractors", extractors},
+                                   {"solvers", solvers},
+                                   {"methods", methods},
+                                   {"studies", studies}};
+  std::vector<std::string> known;
+  std::string all;
+  for (const auto& [name, list] : lists) {
+    if (what == name) return list();
+    known.push_back(name);
+    if (what.empty()) all += (all.empty() ? "" : "\n") + list();
+  }
+  if (what.empty()) return all;
   throw InputError(fmt::format("list: '{}' is not a list{}", what, suggestion(what, known)));
 }
 

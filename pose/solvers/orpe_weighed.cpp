@@ -40,21 +40,12 @@
 
 #include <Eigen/LU>
 
-#include "pose/kernels/removal_kernel.h"
-#include "pose/reprojection.h"
-#include "pose/robust.h"
+#include "pose/removal_sets.h"
 #include "pose/solvers/solvers.h"
 
 namespace sightline {
 namespace {
 
-constexpr int kMaxRemoved = kernel::kMaxRemoved;
-constexpr int kDefaultMaxRemoved = 4;
-constexpr std::size_t kMaxSets = 50'000;
-
-/// Sets of k points are enough when one of them leaves no more than this times the expected sum of
-/// squares.
-constexpr double kNoiseLike = 1.3;
 /// Turns beyond which the linear model is moved, or not trusted at all.
 constexpr double kLongTurnRad = 0.02;
 constexpr double kLongTurnOfSameSetRad = 0.03;
@@ -70,281 +61,9 @@ constexpr double kTestLevel = 1e-3;
 constexpr double kAmbiguousShare = 0.05;
 constexpr double kAmbiguousDistance2 = 22.46;  // chi-square of six degrees, 99.9 %
 
-/// Where the noise is not known.
-constexpr double kUnknownGamma = 0.005;
-constexpr double kPriorDegrees = 2;
-constexpr double kPriorSigmaPx = 2;
-
 constexpr double kCoarseStep = 1e-3;
 constexpr double kFineStep = 1e-6;
 constexpr int kMaxIterations = 50;
-
-// What does not depend on the pose
-
-struct PointPrior {
-  Eigen::Matrix2d information;  ///< inverse covariance of an inlier; unit where not known
-  double gamma = 0;             ///< noise over slab, squared
-  double log_odds = 0;          ///< of being an outlier, with the slab's height
-};
-
-struct Setting {
-  const Correspondences* c = nullptr;
-  bool is_sigma_known = false;
-  std::vector<PointPrior> points;
-  std::vector<double> gamma;  ///< of the points, as the sweep takes them
-  int max_removed = 0;
-
-  int n() const { return static_cast<int>(c->size()); }
-  int degrees(int removed) const { return 2 * n() - 6 - 2 * removed; }
-};
-
-/// Of 5, 8 and 12 points 1, 3 and 4; at least four points are kept.
-int own_removal_limit(int n, const OutlierOptions& options) {
-  int limit = options.max_removed ? std::min(*options.max_removed, kMaxRemoved)
-                                  : std::min(3 * n / 8, kDefaultMaxRemoved);
-  limit = std::clamp(n - kMinimumPosePoints, 0, std::max(limit, 0));
-  while (limit > 0 && kernel::set_count(n, limit) > kMaxSets) --limit;
-  return limit;
-}
-
-/// `information`: the inverse covariance of an inlier.
-PointPrior prior_of(const Eigen::Matrix2d& information, bool is_sigma_known,
-                    const OutlierOptions& options) {
-  const double odds = options.probability / (1 - options.probability);
-  const double slab_px2 = options.scale_px * options.scale_px;
-  PointPrior prior;
-  prior.information = information;
-  prior.gamma =
-      is_sigma_known ? 1 / (slab_px2 * std::sqrt(information.determinant())) : kUnknownGamma;
-  prior.log_odds = std::log(odds * (is_sigma_known ? prior.gamma : 1 / slab_px2));
-  return prior;
-}
-
-Setting setting_of(const WhitenedCorrespondences& c, const OutlierOptions& options) {
-  Setting s;
-  s.c = &c.points;
-  s.is_sigma_known = c.sigma > 0;
-  s.max_removed = own_removal_limit(s.n(), options);
-  const double variance = s.is_sigma_known ? c.sigma * c.sigma : 1;
-  const Eigen::Matrix2d common = Eigen::Matrix2d::Identity() / variance;
-  s.points.assign(c.size(), prior_of(common, s.is_sigma_known, options));
-  for (std::size_t i = 0; i < c.whitening.size(); ++i) {
-    s.points[i] = prior_of(c.whitening[i].transpose() * c.whitening[i], true, options);
-  }
-  for (const PointPrior& prior : s.points) s.gamma.push_back(prior.gamma);
-  return s;
-}
-
-PackedPoints packed(const Setting& s) {
-  std::vector<Eigen::Matrix2d> weights;
-  weights.reserve(s.points.size());
-  for (const PointPrior& prior : s.points) weights.push_back(prior.information);
-  return PackedPoints(*s.c, weights);
-}
-
-// Sets of points
-
-struct RemovalSet {
-  std::array<unsigned short, kMaxRemoved> points;  ///< ascending
-  int size = 0;
-
-  std::span<const unsigned short> span() const { return {points.data(), points.data() + size}; }
-  bool operator==(const RemovalSet& other) const {
-    return std::ranges::equal(span(), other.span());
-  }
-};
-
-/// The next in the order of kernel::sweep_sets; of the empty set the first.
-RemovalSet next_set(RemovalSet set, int n, int max_size) {
-  const int last = set.size > 0 ? set.points[set.size - 1] : -1;
-  if (set.size < max_size && last + 1 < n) {
-    set.points[set.size++] = static_cast<unsigned short>(last + 1);
-    return set;
-  }
-  if (last + 1 >= n) --set.size;
-  if (set.size > 0) ++set.points[set.size - 1];
-  return set;
-}
-
-struct WeighedSet {
-  RemovalSet set;
-  double log_weight = 0;
-  double rss = 0;  ///< of the kept points, whitened
-};
-
-/// ln of the integral over the noise of what sets of one size leave; what depends on the size alone
-/// is computed once.
-struct SizeWeight {
-  double constant = 0;
-  double half_nu = 0;
-};
-
-std::array<SizeWeight, kMaxRemoved + 1> size_weights(const Setting& s, int max_size) {
-  std::array<SizeWeight, kMaxRemoved + 1> weights;
-  if (s.is_sigma_known) return weights;
-  for (int size = 0; size <= max_size; ++size) {
-    weights[size].half_nu = 0.5 * (s.degrees(size) + kPriorDegrees);
-    weights[size].constant = std::lgamma(weights[size].half_nu);
-  }
-  return weights;
-}
-
-// The linear model
-
-/// A problem linearised at a pose, with the room that the work on it needs.
-struct Linear {
-  Pose pose;
-  kernel::LinearModel model;
-  std::size_t stride = 0;
-  std::vector<double> basis;
-  std::vector<double> residuals;
-  std::vector<double> sweep;  ///< q and det of every set, and the sweep's workspace
-  std::vector<WeighedSet> sets;
-
-  double basis_at(int k, int half, int i) const { return basis[(6 * half + k) * stride + i]; }
-  double residual_at(int half, int i) const { return residuals[half * stride + i]; }
-};
-
-bool linearise(const PackedPoints& points, const Pose& pose, Linear& linear) {
-  linear.pose = pose;
-  linear.stride = points.lanes().size() * kernel::kLanes;
-  linear.basis.resize(12 * linear.stride);
-  linear.residuals.resize(2 * linear.stride);
-  return kernel::linearise(points.lanes().data(), points.lanes().size(), rigid_from(pose),
-                           linear.basis.data(), linear.residuals.data(), linear.model);
-}
-
-/// q of every set of up to `max_size` points, then det of each; both begin with the empty set.
-std::span<const double> sweep(const Setting& s, int max_size, Linear& linear) {
-  const std::size_t n = s.c->size();
-  const std::size_t count = kernel::set_count(n, max_size) + 1;
-  linear.sweep.resize(2 * count + kernel::sweep_workspace(n, max_size));
-  double* const q = linear.sweep.data();
-  double* const det = q + count;
-  q[0] = 0;
-  det[0] = 1;
-  if (max_size > 0) {
-    kernel::sweep_sets(n, linear.basis.data(), linear.residuals.data(), s.gamma.data(), max_size,
-                       det + count, q + 1, det + 1);
-  }
-  return {q, 2 * count};
-}
-
-/// Weighs all sets of up to `max_size` points, the empty one first, from what sweep() gave. What
-/// all sets of a start have in common is included, so that weights of different starts compare.
-void weigh_sets(const Setting& s, int max_size, std::span<const double> q_then_det,
-                Linear& linear) {
-  const std::size_t count = q_then_det.size() / 2;
-  const auto by_size = size_weights(s, max_size);
-  const double prior_sum = kPriorDegrees * kPriorSigmaPx * kPriorSigmaPx;
-  linear.sets.resize(count);
-  RemovalSet set;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0) set = next_set(set, s.n(), max_size);
-    WeighedSet& w = linear.sets[i];
-    w.set = set;
-    w.rss = std::max(linear.model.rss - q_then_det[i], 0.0);
-    w.log_weight = -0.5 * (std::log(q_then_det[count + i]) + linear.model.log_det);
-    for (const int point : set.span()) w.log_weight += s.points[point].log_odds;
-    const SizeWeight& of_size = by_size[set.size];
-    w.log_weight += s.is_sigma_known
-                        ? -0.5 * w.rss
-                        : of_size.constant - of_size.half_nu * std::log(0.5 * (w.rss + prior_sum));
-  }
-}
-
-/// Weighs the sets of as few points as it takes for one of them to leave what looks like noise.
-void explain(const Setting& s, Linear& linear) {
-  for (int k = s.is_sigma_known ? 0 : s.max_removed;; ++k) {
-    const std::span<const double> numbers = sweep(s, k, linear);
-    const double largest_q = std::ranges::max(numbers.first(numbers.size() / 2));
-    const bool is_enough = linear.model.rss - largest_q <= kNoiseLike * s.degrees(k);
-    if (is_enough || k >= s.max_removed) {
-      weigh_sets(s, k, numbers, linear);
-      return;
-    }
-  }
-}
-
-const WeighedSet& heaviest(const std::vector<WeighedSet>& sets) {
-  return *std::max_element(sets.begin(), sets.end(), [](const WeighedSet& a, const WeighedSet& b) {
-    return a.log_weight < b.log_weight;
-  });
-}
-
-/// A symmetric system of a few unknowns, solved in place. Positive definite by what is added to its
-/// diagonal.
-struct SmallSystem {
-  static constexpr int kMax = 2 * kMaxRemoved;
-
-  int size = 0;
-  std::array<std::array<double, kMax>, kMax> m;  ///< lower triangle
-  std::array<double, kMax> r;
-
-  /// The solution with slab[i / 2] added to the diagonal (Cholesky).
-  std::array<double, kMax> solved(const std::array<double, kMaxRemoved>& slab) const {
-    std::array<std::array<double, kMax>, kMax> l;
-    std::array<double, kMax> x;
-    for (int i = 0; i < size; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        double sum = m[i][j] + (i == j ? slab[i / 2] : 0.0);
-        for (int k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
-        l[i][j] = i == j ? std::sqrt(sum) : sum / l[j][j];
-      }
-      double sum = r[i];
-      for (int k = 0; k < i; ++k) sum -= l[i][k] * x[k];
-      x[i] = sum / l[i][i];
-    }
-    for (int i = size - 1; i >= 0; --i) {
-      for (int k = i + 1; k < size; ++k) x[i] -= l[k][i] * x[k];
-      x[i] /= l[i][i];
-    }
-    return x;
-  }
-};
-
-/// What stands on the diagonal for the points of a set (Gamma: noise over slab, squared, of
-/// Student's law), and the step to its pose.
-struct SetStep {
-  std::array<double, kMaxRemoved> slab;
-  Vector6d delta;
-};
-
-SetStep step_of(const Setting& s, const Linear& linear, const RemovalSet& set) {
-  SetStep step;
-  step.delta = Eigen::Map<const Vector6d>(linear.model.step);
-  if (set.size == 0) return step;
-  SmallSystem system;
-  system.size = 2 * set.size;
-  for (int a = 0; a < system.size; ++a) {
-    system.r[a] = linear.residual_at(a % 2, set.points[a / 2]);
-    for (int b = 0; b <= a; ++b) {
-      double dot = a == b;
-      for (int k = 0; k < 6; ++k) {
-        dot -= linear.basis_at(k, a % 2, set.points[a / 2]) *
-               linear.basis_at(k, b % 2, set.points[b / 2]);
-      }
-      system.m[a][b] = dot;
-    }
-  }
-  for (int i = 0; i < set.size; ++i) step.slab[i] = s.gamma[set.points[i]];
-  const auto errors = system.solved(step.slab);  // of the removed points
-  for (int i = 0; i < set.size; ++i) {
-    const double e2 = errors[2 * i] * errors[2 * i] + errors[2 * i + 1] * errors[2 * i + 1];
-    step.slab[i] = 4 / (2 / s.gamma[set.points[i]] + e2);
-  }
-  const auto z = system.solved(step.slab);
-  double along[6] = {};
-  for (int k = 0; k < 6; ++k) {
-    for (int a = 0; a < system.size; ++a) {
-      along[k] += linear.basis_at(k, a % 2, set.points[a / 2]) * z[a];
-    }
-  }
-  double delta[6];
-  kernel::step_along(linear.model, along, delta);
-  step.delta += Eigen::Map<const Vector6d>(delta);
-  return step;
-}
 
 double turn_rad(const Vector6d& delta) {
   return delta.head<3>().norm();
@@ -376,10 +95,11 @@ std::optional<Hypothesis> fitted(const PackedPoints& points, const Pose& start, 
 }
 
 /// Least squares with the removed points at the slab's weight. None where that fails.
-std::optional<Hypothesis> fitted(const Setting& s, const PackedPoints& points, const Linear& linear,
-                                 const RemovalSet& set, int& iterations) {
+std::optional<Hypothesis> fitted(const OutlierModel& s, const PackedPoints& points,
+                                 const Linearisation& linear, const RemovalSet& set,
+                                 int& iterations) {
   const SetStep step = step_of(s, linear, set);
-  std::array<double, kMaxRemoved> weight;
+  std::array<double, kernel::kMaxRemoved> weight;
   PackedPoints weighed = points;
   for (int i = 0; i < set.size; ++i) {
     weight[i] = step.slab[i] / (1 + step.slab[i]);
@@ -401,8 +121,9 @@ std::optional<Hypothesis> fitted(const Setting& s, const PackedPoints& points, c
   return h;
 }
 
-std::vector<Hypothesis> fit_all(const Setting& s, const PackedPoints& points, const Linear& linear,
-                                std::span<const RemovalSet> sets, int& iterations) {
+std::vector<Hypothesis> fit_all(const OutlierModel& s, const PackedPoints& points,
+                                const Linearisation& linear, std::span<const RemovalSet> sets,
+                                int& iterations) {
   std::vector<Hypothesis> hypotheses;
   for (const RemovalSet& set : sets) {
     const std::optional<Hypothesis> h = fitted(s, points, linear, set, iterations);
@@ -417,42 +138,8 @@ const Hypothesis& best_of(const std::vector<Hypothesis>& hypotheses) {
       [](const Hypothesis& a, const Hypothesis& b) { return a.log_weight < b.log_weight; });
 }
 
-/// The heaviest sets, at most `count`, none below `least` of the heaviest.
-std::vector<RemovalSet> heaviest_sets(const std::vector<WeighedSet>& sets, std::size_t count,
-                                      double least) {
-  const double least_log = heaviest(sets).log_weight + std::log(least);
-  std::vector<const WeighedSet*> heavy;
-  for (const WeighedSet& w : sets) {
-    if (w.log_weight >= least_log) heavy.push_back(&w);
-  }
-  std::stable_sort(heavy.begin(), heavy.end(), [](const WeighedSet* a, const WeighedSet* b) {
-    return a->log_weight > b->log_weight;
-  });
-  heavy.resize(std::min(heavy.size(), count));
-  std::vector<RemovalSet> chosen;
-  for (const WeighedSet* w : heavy) chosen.push_back(w->set);
-  return chosen;
-}
-
-/// For each size the two sets that leave the least.
-std::vector<RemovalSet> least_residual_sets(const std::vector<WeighedSet>& all, int max_size) {
-  std::vector<RemovalSet> chosen;
-  for (int size = 0; size <= max_size; ++size) {
-    std::vector<WeighedSet> of_size;
-    for (const WeighedSet& w : all) {
-      if (w.set.size == size) of_size.push_back(w);
-    }
-    std::stable_sort(of_size.begin(), of_size.end(),
-                     [](const WeighedSet& a, const WeighedSet& b) { return a.rss < b.rss; });
-    for (std::size_t i = 0; i < std::min<std::size_t>(2, of_size.size()); ++i) {
-      chosen.push_back(of_size[i].set);
-    }
-  }
-  return chosen;
-}
-
 /// Of whitened residuals.
-double noise_variance(const Setting& s, const Hypothesis& h) {
+double noise_variance(const OutlierModel& s, const Hypothesis& h) {
   if (s.is_sigma_known) return 1;
   return (h.rss + kPriorDegrees * kPriorSigmaPx * kPriorSigmaPx) /
          (s.degrees(h.set.size) + kPriorDegrees);
@@ -470,14 +157,14 @@ double chi_square_survival(double x, int degrees) {
 }
 
 /// Whether what a hypothesis keeps looks like noise.
-bool is_explained(const Setting& s, const Hypothesis& h) {
+bool is_explained(const OutlierModel& s, const Hypothesis& h) {
   const int degrees = s.degrees(h.set.size);
   return degrees <= 0 || chi_square_survival(h.rss, degrees) >= kTestLevel;
 }
 
 /// Gives every hypothesis the weight of its set in the linear model; those that fitting led away
 /// from the linear model's pose, to another minimum, have none there and are left out.
-void use_linear_weights(const Setting& s, const Linear& linear,
+void use_linear_weights(const OutlierModel& s, const Linearisation& linear,
                         std::vector<Hypothesis>& hypotheses) {
   std::erase_if(hypotheses, [&](const Hypothesis& h) {
     const Pose expected = retract(linear.pose, step_of(s, linear, h.set).delta);
@@ -500,10 +187,10 @@ struct Branch {
 
 /// The linear model where it can be trusted, its sets weighed: it moves to the pose of the heaviest
 /// set as long as that is far. False when it cannot be built at the start.
-bool settle(const Setting& s, const PackedPoints& points, const Pose& start, Linear& linear,
-            int& iterations) {
+bool settle(const OutlierModel& s, const PackedPoints& points, const Pose& start,
+            Linearisation& linear, int& iterations) {
   if (!linearise(points, start, linear)) return false;
-  explain(s, linear);
+  weigh_explaining_sets(s, linear);
   for (int move = 0; move < kMaxMoves; ++move) {
     const RemovalSet set = heaviest(linear.sets).set;
     const Vector6d delta = step_of(s, linear, set).delta;
@@ -518,15 +205,15 @@ bool settle(const Setting& s, const PackedPoints& points, const Pose& start, Lin
       return true;
     }
     if (!linearise(points, next, linear) && !linearise(points, before, linear)) return false;
-    explain(s, linear);
+    weigh_explaining_sets(s, linear);
     const bool is_same = heaviest(linear.sets).set == set;
     if (is_same && turn_rad(delta) <= kLongTurnOfSameSetRad) return true;
   }
   return true;
 }
 
-Branch solve_branch(const Setting& s, const PackedPoints& points, const Pose& start,
-                    Linear& linear) {
+Branch solve_branch(const OutlierModel& s, const PackedPoints& points, const Pose& start,
+                    Linearisation& linear) {
   Branch branch;
   const kernel::Fit fit = points.fit(start, kMaxIterations, kCoarseStep);
   branch.iterations = fit.iterations;
@@ -552,7 +239,7 @@ Branch solve_branch(const Setting& s, const PackedPoints& points, const Pose& st
     if (branch.hypotheses.empty()) branch.hypotheses = {fitted_best};
   } else if (branch.hypotheses.empty() || !is_explained(s, best_of(branch.hypotheses))) {
     // Rare: far outliers drew the linear model to a wrong place that maintains itself.
-    weigh_sets(s, s.max_removed, sweep(s, s.max_removed, linear), linear);
+    weigh_sets(s, s.max_removed, linear);
     branch.hypotheses = fit_all(s, points, linear, heaviest_sets(linear.sets, kMaxFittedInNeed, 0),
                                 branch.iterations);
   }
@@ -583,7 +270,7 @@ double quadratic_form(const double (&hessian)[21], const Vector6d& delta) {
 
 /// Of the best hypotheses of two starts. Where the noise is not known, its prior would call
 /// residuals far below kPriorSigmaPx equal: with the same points kept the smaller wins.
-bool is_preferable(const Setting& s, const Hypothesis& a, const Hypothesis& b) {
+bool is_preferable(const OutlierModel& s, const Hypothesis& a, const Hypothesis& b) {
   if (!s.is_sigma_known && a.set == b.set) return a.rss < b.rss;
   return a.log_weight > b.log_weight;
 }
@@ -598,7 +285,7 @@ struct Answer {
 
 /// None where the best hypothesis leaves the pose undetermined. The mean is over the hypotheses of
 /// the best one's start: between mirror poses lies no pose.
-std::optional<Answer> answer_of(const std::vector<Branch>& branches, const Setting& s) {
+std::optional<Answer> answer_of(const std::vector<Branch>& branches, const OutlierModel& s) {
   const Branch* chosen = nullptr;
   for (const Branch& b : branches) {
     if (b.hypotheses.empty()) continue;
@@ -660,7 +347,7 @@ struct MostProbable {
 };
 
 /// Least squares on exactly the points that a hypothesis keeps.
-std::optional<MostProbable> fit_kept(const Setting& s, const PackedPoints& points,
+std::optional<MostProbable> fit_kept(const OutlierModel& s, const PackedPoints& points,
                                      const Hypothesis& best) {
   MostProbable result = {best.pose, Matrix6d::Zero()};
   if (best.set.size > 0) {
@@ -687,12 +374,12 @@ PoseEstimate solve_orpe_weighed(const PoseProblem& problem, const SolverOptions&
   const PreparedWhitened prepared = prepare_whitened(problem);
   estimate.status = prepared.status;
   if (estimate.status != PoseStatus::kOk) return estimate;
-  const Setting s = setting_of(prepared.correspondences, options.outliers);
+  const OutlierModel s = outlier_model(prepared.correspondences, options.outliers);
   const Correspondences& c = *s.c;
   estimate.status = PoseStatus::kDegenerate;
 
   const PackedPoints points = packed(s);
-  Linear linear;
+  Linearisation linear;
   std::vector<Branch> branches;
   for (const Pose& start : starting_poses(c, problem.initial_cam_from_target)) {
     branches.push_back(solve_branch(s, points, start, linear));

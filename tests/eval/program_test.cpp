@@ -266,8 +266,8 @@ TEST_F(Program, ListsWhatTheCataloguesHold) {
   EXPECT_EQ(all.exit_code, 0);
   for (const char* name :
        {"boeing707", "cube", "hough_intersection", "shi_tomasi_nearest", "orpe", "lspe", "oracle",
-        "boeing-table1", "boeing-random", "cube-noise", "cube-outliers", "orientation-points",
-        "orientation-noise", "orientation-speed"}) {
+        "walker_dual_quaternion", "boeing-table1", "boeing-random", "cube-noise", "cube-outliers",
+        "orientation-points", "orientation-noise", "orientation-speed"}) {
     EXPECT_THAT(all.output, HasSubstr(name));
   }
   EXPECT_THAT(run("list solvers").output, testing::Not(HasSubstr("cube")));

@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Every small set of points tried as the set of outliers, in closed form on the linearised problem.
+// The formulas, and where they come from, stand in pose/solvers/orpe_weighed.cpp.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pose/kernels/removal_kernel.h"
+#include "pose/reprojection.h"
+#include "pose/robust.h"
+
+namespace sightline {
+
+/// Sets of k points are enough when one of them leaves no more than this times the expected sum of
+/// squares.
+inline constexpr double kNoiseLike = 1.3;
+
+/// Where the size of the noise is not known: a scaled inverse chi-square prior of its variance.
+inline constexpr double kPriorDegrees = 2;
+inline constexpr double kPriorSigmaPx = 2;
+
+/// What is known of a point before its residual is.
+struct PointPrior {
+  Eigen::Matrix2d information;  ///< inverse covariance of an inlier; unit where not known
+  double gamma = 0;             ///< noise over slab, squared
+  double log_odds = 0;          ///< of being an outlier, with the slab's height
+};
+
+/// What does not depend on the pose. Holds a pointer to the correspondences.
+struct OutlierModel {
+  const Correspondences* c = nullptr;
+  bool is_sigma_known = false;
+  std::vector<PointPrior> points;
+  std::vector<double> gamma;  ///< of the points, as the sweep takes them
+  int max_removed = 0;
+
+  int n() const { return static_cast<int>(c->size()); }
+  int degrees(int removed) const { return 2 * n() - 6 - 2 * removed; }
+};
+
+OutlierModel outlier_model(const WhitenedCorrespondences& c, const OutlierOptions& options);
+
+/// The points weighed by their information.
+PackedPoints packed(const OutlierModel& s);
+
+/// A set of points held to be the outliers.
+struct RemovalSet {
+  std::array<unsigned short, kernel::kMaxRemoved> points;  ///< ascending
+  int size = 0;
+
+  std::span<const unsigned short> span() const { return {points.data(), points.data() + size}; }
+  bool operator==(const RemovalSet& other) const {
+    return std::ranges::equal(span(), other.span());
+  }
+};
+
+/// A set in the linear model.
+struct WeighedSet {
+  RemovalSet set;
+  double log_weight = 0;
+  double rss = 0;  ///< of the kept points, whitened
+};
+
+/// A problem linearised at a pose, with the room that the work on it needs.
+struct Linearisation {
+  Pose pose;
+  kernel::LinearModel model;
+  std::size_t stride = 0;
+  std::vector<double> basis;
+  std::vector<double> residuals;
+  std::vector<double> sweep;  ///< q and det of every set, and the sweep's workspace
+  std::vector<WeighedSet> sets;
+
+  double basis_at(int k, int half, int i) const { return basis[(6 * half + k) * stride + i]; }
+  double residual_at(int half, int i) const { return residuals[half * stride + i]; }
+};
+
+/// False when a point is behind the camera or the points do not determine the pose.
+bool linearise(const PackedPoints& points, const Pose& pose, Linearisation& linear);
+
+/// Weighs all sets of up to `max_size` points into linear.sets, the empty one first. What all sets
+/// of a start have in common is included, so that weights of different starts compare.
+void weigh_sets(const OutlierModel& s, int max_size, Linearisation& linear);
+
+/// Weighs the sets of as few points as it takes for one of them to leave what looks like noise; of
+/// all sizes allowed where the noise is not known.
+void weigh_explaining_sets(const OutlierModel& s, Linearisation& linear);
+
+const WeighedSet& heaviest(const std::vector<WeighedSet>& sets);
+
+/// The heaviest sets, at most `count`, none below `least` of the heaviest.
+std::vector<RemovalSet> heaviest_sets(const std::vector<WeighedSet>& sets, std::size_t count,
+                                      double least);
+
+/// For each size the two sets that leave the least.
+std::vector<RemovalSet> least_residual_sets(const std::vector<WeighedSet>& all, int max_size);
+
+/// What stands on the diagonal for the points of a set (Gamma: noise over slab, squared, of
+/// Student's law), and the step to its pose.
+struct SetStep {
+  std::array<double, kernel::kMaxRemoved> slab;
+  Vector6d delta;
+};
+
+SetStep step_of(const OutlierModel& s, const Linearisation& linear, const RemovalSet& set);
+
+}  // namespace sightline
