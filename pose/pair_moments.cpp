@@ -84,6 +84,8 @@ PairMoments moments_in_range(const WeightedPairs<Scalar>& pairs, const Weights& 
   m.origin_in_a = pairs.in_a[weights.first_positive].template cast<double>();
   m.origin_in_b = pairs.in_b[weights.first_positive].template cast<double>();
   CentredSums sums = sums_about(pairs, m.origin_in_a, m.origin_in_b);
+  const double extent2_a = Eigen::Vector3d(sums.mean_x).squaredNorm();
+  const double extent2_b = Eigen::Vector3d(sums.mean_y).squaredNorm();
   if (has_cancelled(sums)) {
     m.origin_in_a += Eigen::Vector3d(sums.mean_x);
     m.origin_in_b += Eigen::Vector3d(sums.mean_y);
@@ -96,7 +98,8 @@ PairMoments moments_in_range(const WeightedPairs<Scalar>& pairs, const Weights& 
   m.mean_from_origin_b = Eigen::Vector3d(sums.mean_y);
   m.cross = Eigen::Map<const Eigen::Matrix3d>(sums.cross);
   m.rounding = pairs.coordinate_epsilon * pairs.coordinate_epsilon * m.weight *
-               std::sqrt(m.mean_in_a().squaredNorm() * m.mean_in_b().squaredNorm());
+               std::sqrt((m.mean_in_a().squaredNorm() + extent2_a) *
+                         (m.mean_in_b().squaredNorm() + extent2_b));
   if (pairs.with_spread) m.spread_a = spread_about(pairs, m.mean_in_a());
   return m;
 }

@@ -31,10 +31,15 @@ PointPrior prior_of(const Eigen::Matrix2d& information, bool is_sigma_known,
                     const OutlierOptions& options) {
   constexpr double kLeastProbability = 1e-9;
   constexpr double kLeastScalePx = 1e-3;
-  const double probability =
-      std::clamp(options.probability, kLeastProbability, 1 - kLeastProbability);
+  constexpr double kLargestScalePx = 1e9;
+  // Not std::clamp: what is no number must become one.
+  const double probability = options.probability > kLeastProbability
+                                 ? std::min(options.probability, 1 - kLeastProbability)
+                                 : kLeastProbability;
   const double odds = probability / (1 - probability);
-  const double scale_px = std::max(options.scale_px, kLeastScalePx);
+  const double scale_px = options.scale_px > kLeastScalePx
+                              ? std::min(options.scale_px, kLargestScalePx)
+                              : kLeastScalePx;
   const double slab_px2 = scale_px * scale_px;
   PointPrior prior;
   prior.information = information;
@@ -183,7 +188,7 @@ void weigh_explaining_sets(const OutlierModel& s, Linearisation& linear) {
   for (int k = s.is_sigma_known ? 0 : s.max_removed;; ++k) {
     const std::span<const double> numbers = sweep(s, k, linear);
     const double largest_q = std::ranges::max(numbers.first(numbers.size() / 2));
-    const bool is_enough = linear.model.rss - largest_q <= kNoiseLike * s.degrees(k);
+    const bool is_enough = linear.model.rss - largest_q <= noise_like_rss(s.degrees(k));
     if (is_enough || k >= s.max_removed) {
       weigh_swept_sets(s, k, numbers, linear);
       return;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -19,9 +20,12 @@
 
 namespace sightline {
 
-/// Sets of k points are enough when one of them leaves no more than this times the expected sum of
-/// squares.
-inline constexpr double kNoiseLike = 1.3;
+/// The sum of squares, whitened, below which residuals look like noise: 1.3 times what is expected,
+/// less where so many points are left that their sum is better known (1.5 of its standard
+/// deviations).
+inline double noise_like_rss(int degrees) {
+  return std::min(1.3 * degrees, degrees + 1.5 * std::sqrt(2.0 * degrees));
+}
 
 /// Where the size of the noise is not known: a scaled inverse chi-square prior of its variance.
 inline constexpr double kPriorDegrees = 2;

@@ -150,6 +150,11 @@ Minimum minimise(const Pose& start, const Evaluate& evaluate, int max_iterations
   constexpr double kHeavyDamping = 0.1;
   constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
+  /// Below this steps are rounding; it stands for tolerances that are no numbers as well.
+  constexpr double kSmallestTolerance = 1e-14;
+  const double tolerance =
+      step_tolerance > kSmallestTolerance ? step_tolerance : kSmallestTolerance;
+
   const std::optional<LocalModel> first = evaluate(start);
   if (!first) return {PoseStatus::kBehindCamera, start, {}, 0};
   Minimum best = {PoseStatus::kDiverged, start, *first, 0};
@@ -161,7 +166,7 @@ Minimum minimise(const Pose& start, const Evaluate& evaluate, int max_iterations
       damping *= kDampingFactor;
       continue;
     }
-    const bool is_short = is_short_step(*delta, best.pose, step_tolerance) ||
+    const bool is_short = is_short_step(*delta, best.pose, tolerance) ||
                           promised_decrease(best.model, *delta) < kEpsilon * best.model.cost;
     const Pose candidate = retract(best.pose, *delta);
     const std::optional<LocalModel> model = evaluate(candidate);

@@ -19,9 +19,9 @@
 
 namespace sightline {
 
-/// A solver removes nothing unless it keeps as many points as three, which any pose meets, and two
-/// more, of which one may then be judged by the others.
-inline constexpr std::size_t kMinimumKeptPoints = 5;
+/// A solver removes no point that would leave fewer: any three points are met exactly by some pose,
+/// so that it takes a fourth to contradict.
+inline constexpr std::size_t kMinimumKeptPoints = 4;
 
 /// Noise below this, stated or estimated, is rounding; noise above the other says nothing. (In
 /// pixels, or in whitened units where there are covariances.)

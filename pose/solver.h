@@ -21,7 +21,8 @@ struct PoseProblem {
   Camera camera;
   std::vector<Eigen::Vector3d> points_in_target;  ///< metres
   std::vector<Eigen::Vector2d> pixels;            ///< one a point
-  /// Covariance of each pixel; empty or one a point. LSPE and ORPE, as printed, ignore it.
+  /// Covariance of each pixel; empty or one a point. The papers' LSPE, ORPE and minimax, and with
+  /// them the oracle and orpe_calibrated, ignore it.
   std::vector<Eigen::Matrix2d> covariances_px2;
   /// Standard deviation of an inlier's noise in each coordinate, where there are no covariances; 0:
   /// not known. Solvers that need it estimate it then. LSPE and ORPE, as printed, do not.
@@ -46,19 +47,21 @@ std::string_view to_string(PoseStatus status);
 struct PoseEstimate {
   PoseStatus status = PoseStatus::kTooFewPoints;
   Pose cam_from_target;      ///< meaningful only with status kOk
-  std::vector<int> removed;  ///< indices of the points judged outliers, ascending
-  /// Covariance of (w, dt), cam_from_target = (Exp(w) R, t + dt), for unit pixel noise on the kept
-  /// points; radians and metres.
+  std::vector<int> removed;  ///< indices of points judged outliers, ascending; for status kOk
+  /// Covariance of (w, dt), cam_from_target = (Exp(w) R, t + dt), radians and metres, for unit
+  /// pixel noise on the points as the solver weighed them (those that remove: on the kept ones).
+  /// From the comparators (pose/robust.h), where there are covariances, for noise of those.
   Matrix6d unit_covariance = Matrix6d::Zero();
   int iterations = 0;  ///< of the innermost optimiser, all calls together
 
-  // From solvers that weigh hypotheses (orpe_weighed); others leave them as they are.
+  // From orpe_weighed; others leave them as they are.
   Pose most_probable_cam_from_target;  ///< with exactly `removed` removed
   /// Of (w, dt): what the noise leaves, its size as stated or found, and the scatter of hypotheses.
   Matrix6d covariance = Matrix6d::Zero();
   double removed_probability = 1;  ///< of exactly `removed` being the outliers
   bool is_ambiguous = false;       ///< another pose explains the pixels nearly as well
-  bool is_removal_limit_reached = false;
+  // From all that test what they keep.
+  bool is_removal_limit_reached = false;  ///< more outliers may be left than could be removed
   bool is_test_failed = false;  ///< what is kept does not look like noise of the stated size
 };
 

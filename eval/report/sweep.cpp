@@ -90,8 +90,8 @@ bool is_timed(const Study& study) {
   return study.pairs.timed_repeats > 0;
 }
 
-// Acronyms are for the pose solvers; methods of absolute orientation go by their names. As words,
-// so that the heads of columns can break.
+// Spellings are those of the pose solvers; methods of absolute orientation go by their names. As
+// words, so that the heads of columns can break.
 std::string label_of(const Study& study, const std::string& solver) {
   return words(is_orientation(study) ? solver : solver_label(solver));
 }

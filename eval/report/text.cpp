@@ -3,9 +3,11 @@
 #include "eval/report/text.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -14,7 +16,6 @@
 namespace sightline {
 namespace {
 
-constexpr size_t kLongestAcronym = 4;
 constexpr std::string_view kMinus = "−";
 
 }  // namespace
@@ -93,10 +94,18 @@ Eigen::Vector3d attitude_deg(const Eigen::Matrix3d& rotation) {
 }
 
 std::string solver_label(std::string_view name) {
-  std::string label(name);
-  if (label.size() > kLongestAcronym) return label;
-  std::transform(label.begin(), label.end(), label.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  static const std::map<std::string, std::string, std::less<>> kSpelt = {
+      {"gnc", "GNC"},   {"huber", "Huber"}, {"lspe", "LSPE"},     {"opencv", "OpenCV"},
+      {"orpe", "ORPE"}, {"p3p", "P3P"},     {"ransac", "RANSAC"}, {"tukey", "Tukey"}};
+  std::string label;
+  for (size_t begin = 0; begin < name.size();) {
+    const size_t end = std::min(name.find('_', begin), name.size());
+    const std::string_view word = name.substr(begin, end - begin);
+    const auto spelt = kSpelt.find(word);
+    if (!label.empty()) label += ' ';
+    label += spelt != kSpelt.end() ? spelt->second : std::string(word);
+    begin = end + 1;
+  }
   return label;
 }
 

@@ -37,7 +37,7 @@ std::string triple(const Eigen::Vector3d& values, int decimals);
 /// The pitch, yaw and roll of a rotation in degrees.
 Eigen::Vector3d attitude_deg(const Eigen::Matrix3d& rotation);
 
-/// A solver's name for readers: short names are acronyms ("orpe" becomes "ORPE").
+/// A solver's name for readers, as words: "orpe_tree" becomes "ORPE tree".
 std::string solver_label(std::string_view name);
 
 /// A status as words: "too_few_points" becomes "too few points".

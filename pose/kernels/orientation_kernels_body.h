@@ -432,10 +432,13 @@ inline bool pose_by_closed_form(const PairArrays<Scalar>& p, double coordinate_e
                           p.origin_b[2] + c.mean_y[2]};
   const double rounding_per_length2 = coordinate_epsilon * coordinate_epsilon * c.weight;
   const double gap = rotation.smallest_gap;
-  if (!(gap * gap >
-        rounding_per_length2 * rounding_per_length2 * dot(mean_a, mean_a) * dot(mean_b, mean_b))) {
-    return false;
-  }
+  // The clouds' extents, for which the first points' distances from the means stand, are rounded
+  // too.
+  const Vector3 from_a = {c.mean_x[0], c.mean_x[1], c.mean_x[2]};
+  const Vector3 from_b = {c.mean_y[0], c.mean_y[1], c.mean_y[2]};
+  const double size2_a = dot(mean_a, mean_a) + dot(from_a, from_a);
+  const double size2_b = dot(mean_b, mean_b) + dot(from_b, from_b);
+  if (!(gap * gap > rounding_per_length2 * rounding_per_length2 * size2_a * size2_b)) return false;
   const Vector3 t = mean_b + (-1.0) * (rotation.a * mean_a);
   write(rotation.a, columns);
   translation[0] = t.x;

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pose/kernels/removal_kernel.h"
 
-#include <initializer_list>
-
 #include <cmath>
+#include <initializer_list>
 
 #include "pose/kernels/factor.h"
 #include "pose/kernels/lanes.h"

@@ -170,6 +170,11 @@ Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int 
   /// Damping that shortens steps noticeably: a short step then does not mean convergence.
   constexpr double kHeavyDamping = 0.1;
 
+  // Below this steps are rounding; it stands for tolerances that are no numbers as well.
+  constexpr double kSmallestTolerance = 1e-14;
+  const double tolerance =
+      step_tolerance > kSmallestTolerance ? step_tolerance : kSmallestTolerance;
+
   Fit result;
   result.status = FitStatus::kStartBehindCamera;
   result.iterations = 0;
@@ -189,7 +194,7 @@ Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int 
       damping *= kDampingFactor;
       continue;
     }
-    const bool is_end = is_short(delta, result.pose, step_tolerance) ||
+    const bool is_end = is_short(delta, result.pose, tolerance) ||
                         promised_decrease(model, delta, damping) < kEpsilon * model.cost;
     const RigidPose candidate = moved(result.pose, delta);
     if (is_end && damping < kHeavyDamping) {

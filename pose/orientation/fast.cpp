@@ -23,8 +23,8 @@
 #include <cmath>
 #include <limits>
 
-#include "pose/orientation/methods.h"
 #include "pose/kernels/orientation_kernels.h"
+#include "pose/orientation/methods.h"
 
 namespace sightline {
 namespace {

@@ -80,10 +80,14 @@ OrientationEstimate orient_by_gauss_newton(const PairMoments& moments) {
   const Eigen::Vector3d inverse(1 / (extents2[1] + extents2[2]), 1 / (extents2[2] + extents2[0]),
                                 1 / (extents2[0] + extents2[1]));
   const double norm = moments.cross.norm();
+  if (!(norm > 0)) return {OrientationStatus::kDegenerate, {}};
+  // As if both clouds were of one size: the maximum is where it was, and the steps are of the right
+  // length.
+  const double size = moments.spread_a.norm();
   const Problem problem = {
-      moments.cross,
+      moments.cross * (size / norm),
       spread.eigenvectors() * inverse.asDiagonal() * spread.eigenvectors().transpose(),
-      16 * kEpsilon * norm, 8 * kEpsilon * std::max(1.0, norm * inverse.maxCoeff())};
+      16 * kEpsilon * size, 8 * kEpsilon * std::max(1.0, size * inverse.maxCoeff())};
 
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
   for (int i = 0; i < kMaxIterations; ++i) {

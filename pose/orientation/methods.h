@@ -28,7 +28,9 @@ inline OrientationEstimate estimate_about_means(const PairMoments& moments,
   OrientationEstimate estimate{OrientationStatus::kOk, {}, scale};
   estimate.b_from_a.rotation = rotation;
   estimate.b_from_a.translation = moments.mean_in_b() - scale * (rotation * moments.mean_in_a());
-  return estimate;
+  // Clouds of such different sizes that their ratio leaves the range of double.
+  const bool is_finite = estimate.b_from_a.translation.allFinite() && scale * 0 == 0;
+  return is_finite ? estimate : OrientationEstimate{OrientationStatus::kDegenerate, {}};
 }
 
 /// The rotation that maximises tr(A^T B) by a singular value decomposition, and the maximum.

@@ -15,7 +15,7 @@
 // front of the camera. Uses covariances_px2 (they whiten the residuals), else sigma_px, else the
 // sigma of Huber's fit (pose/robust.h), and of OutlierOptions false_alarm_rate: c, the largest
 // residual that noise is believed to have, is the root of squared_threshold times sigma. `removed`
-// are the points whose final weight is at most 1/4, that of r = c; they are weighed, not left out,
+// are the points whose final weight is below 1/4, that of r = c; they are weighed, not left out,
 // and max_removed does not bind.
 //
 // Deviations: a stage is a few Marquardt steps from the pose of the last, not a global weighted

@@ -11,7 +11,7 @@
 // Needs four points that are not collinear, or three with an initial pose. Every point must end in
 // front of the camera. Uses covariances_px2 (they whiten the residuals), else sigma_px, else the
 // median residual (fit_huber, pose/robust.h), and of OutlierOptions false_alarm_rate: `removed` are
-// the points whose weight k sigma / r is at most that of a residual at squared_threshold; they are
+// the points whose weight k sigma / r is below that of a residual at squared_threshold; they are
 // weighed, not left out, and max_removed does not bind. (The rate holds for a known sigma; with the
 // estimated one, of eight good points one is reported in about 8 % at a rate of 1 %.)
 //

@@ -10,7 +10,7 @@
 // which Huber's cannot do; but rho is not convex, and the start decides.
 //
 // Preconditions, covariances, sigma and OutlierOptions as in huber.cpp: `removed` are the points
-// whose weight (1 - r^2 / c^2)^2 is at most that of a residual at squared_threshold (or zero).
+// whose weight (1 - r^2 / c^2)^2 is below that of a residual at squared_threshold (or zero).
 // Where the biweight leaves the pose undetermined or does not converge, Huber's is the answer.
 
 #include "pose/robust.h"

@@ -180,6 +180,8 @@ PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options
 
   Stage current = minimise_entropy({c, kept, {}}, free_starts, options);
   estimate.iterations = current.iterations;
+  // A ratio of one says that nothing was gained; no number at all (NaN) removes nothing.
+  const double rho = options.orpe.rho <= 1 ? std::nextafter(1.0, 2.0) : options.orpe.rho;
   while (current.status == PoseStatus::kOk && kept.size() > kMinimumPosePoints) {
     std::vector<Pose> starts = {current.cam_from_centred};
     if (free_starts.size() > 1) starts.insert(starts.end(), free_starts.begin(), free_starts.end());
@@ -188,7 +190,7 @@ PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options
     const Stage without_m = minimise_entropy({c, rest, {}}, starts, options);
     estimate.iterations += without_m.iterations;
     if (without_m.status != PoseStatus::kOk) break;  // collinear without m
-    if (residual_ratio(current, without_m) < options.orpe.rho) break;
+    if (!(residual_ratio(current, without_m) >= rho)) break;
     estimate.removed.push_back(kept[current.largest_index]);
     kept = std::move(rest);
     current = without_m;

@@ -30,13 +30,16 @@
 // Needs four points that are not collinear, or three with an initial pose. The noise is that of
 // covariances_px2, else sigma_px; where neither is given it is unknown and integrated out under a
 // scaled inverse chi-square prior (kPriorDegrees, kPriorSigmaPx), and the weights stay those of the
-// linear model, which proved better there. Uses OutlierOptions::probability, scale_px and
-// max_removed (by default 1, 3 and 4 of 5, 8 and 12 points); never tries more than kMaxRemoved
-// points or kMaxSets sets. Nothing random; of equals the set that comes first wins.
+// linear model, which proved better there. Uses OutlierOptions::probability, scale_px (the slab is
+// round in whitened units, of that geometric mean) and max_removed, but not LspeOptions. Made for
+// few points: by default 1, 3 and 4 of 5, 8 and 12 points may be outliers, and as no more than 50
+// 000 sets are tried (pose/removal_sets.cpp), 3, 2 and 1 of more than 33, 66 and 315; what they
+// leave is then flagged. Nothing random; of equals the set that comes first wins.
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/LU>
 
@@ -147,6 +150,12 @@ double noise_variance(const OutlierModel& s, const Hypothesis& h) {
 
 /// P(chi-square > x) for an even number of degrees of freedom.
 double chi_square_survival(double x, int degrees) {
+  constexpr int kManyDegrees = 300;
+  if (degrees > kManyDegrees) {  // Wilson and Hilferty (1931)
+    const double variance = 2.0 / (9.0 * degrees);
+    const double z = (std::cbrt(x / degrees) - 1 + variance) / std::sqrt(variance);
+    return 0.5 * std::erfc(z / std::numbers::sqrt2);
+  }
   double term = std::exp(-0.5 * x);
   double sum = 0;
   for (int i = 0; i < degrees / 2; ++i) {
@@ -212,6 +221,35 @@ bool settle(const OutlierModel& s, const PackedPoints& points, const Pose& start
   return true;
 }
 
+/// The sets within a set.
+std::vector<RemovalSet> proper_subsets(const RemovalSet& set) {
+  std::vector<RemovalSet> subsets;
+  for (unsigned chosen = 0; chosen + 1 < 1u << set.size; ++chosen) {
+    RemovalSet& subset = subsets.emplace_back();
+    for (int i = 0; i < set.size; ++i) {
+      if (chosen >> i & 1) subset.points[subset.size++] = set.points[i];
+    }
+  }
+  return subsets;
+}
+
+/// Beside an outlier far beyond the slab the linear weights, whose slab is Gaussian, prefer sets
+/// with good points in them. So the sets within the best one are fitted and weighed too.
+void add_smaller_sets(const OutlierModel& s, const PackedPoints& points, Linearisation& linear,
+                      Branch& branch) {
+  if (!s.is_sigma_known || branch.hypotheses.empty()) return;
+  const Hypothesis best = best_of(branch.hypotheses);
+  if (best.set.size < 2 || !linearise(points, best.pose, linear)) return;
+  std::vector<RemovalSet> subsets = proper_subsets(best.set);
+  std::erase_if(subsets, [&branch](const RemovalSet& subset) {
+    return std::ranges::any_of(branch.hypotheses,
+                               [&subset](const Hypothesis& h) { return h.set == subset; });
+  });
+  for (Hypothesis& h : fit_all(s, points, linear, subsets, branch.iterations)) {
+    branch.hypotheses.push_back(h);
+  }
+}
+
 Branch solve_branch(const OutlierModel& s, const PackedPoints& points, const Pose& start,
                     Linearisation& linear) {
   Branch branch;
@@ -221,7 +259,7 @@ Branch solve_branch(const OutlierModel& s, const PackedPoints& points, const Pos
     branch.status = PoseStatus::kBehindCamera;
     return branch;
   }
-  if (s.is_sigma_known && 2 * fit.model.cost <= kNoiseLike * s.degrees(0)) {
+  if (s.is_sigma_known && 2 * fit.model.cost <= noise_like_rss(s.degrees(0))) {
     const auto all_kept = fitted(points, pose_from(fit.pose), branch.iterations);
     if (all_kept) branch.hypotheses = {*all_kept};
     branch.status = all_kept ? PoseStatus::kOk : PoseStatus::kDiverged;
@@ -233,6 +271,7 @@ Branch solve_branch(const OutlierModel& s, const PackedPoints& points, const Pos
   }
   branch.hypotheses = fit_all(s, points, linear, heaviest_sets(linear.sets, kMaxFitted, kProbable),
                               branch.iterations);
+  add_smaller_sets(s, points, linear, branch);
   if (!s.is_sigma_known && !branch.hypotheses.empty()) {
     const Hypothesis fitted_best = best_of(branch.hypotheses);
     use_linear_weights(s, linear, branch.hypotheses);
@@ -305,13 +344,14 @@ std::optional<Answer> answer_of(const std::vector<Branch>& branches, const Outli
   for (const Branch& b : branches) {
     for (const Hypothesis& h : b.hypotheses) {
       const double weight = std::exp(h.log_weight - best.log_weight);
-      total += weight;
-      if (&b == chosen) of_chosen += weight;
-      if (&b == chosen && h.set == best.set) {
-        of_best += weight;
-        continue;
-      }
       const Vector6d delta = difference(best.pose, h.pose);
+      const bool is_of_best_set = h.set == best.set;
+      // Another start may lead to the same minimum: it counts once.
+      if (&b != chosen && is_of_best_set && turn_rad(delta) < kCoarseStep) continue;
+      total += weight;
+      if (is_of_best_set) of_best += weight;
+      if (&b == chosen) of_chosen += weight;
+      if (&b == chosen && is_of_best_set) continue;
       if (quadratic_form(best.model.hessian, delta) > kAmbiguousDistance2 * variance) far += weight;
       if (&b == chosen) mean += weight * delta;
     }

@@ -672,6 +672,8 @@ TEST(ReportText, WritesNumbersForReaders) {
   EXPECT_EQ(count_of(0, 0), "–");
   EXPECT_EQ(solver_label("orpe"), "ORPE");
   EXPECT_EQ(solver_label("oracle"), "oracle");
+  EXPECT_EQ(solver_label("opencv_ransac"), "OpenCV RANSAC");
+  EXPECT_EQ(solver_label("minimax_two_step"), "minimax two step");
   EXPECT_EQ(words("too_few_points"), "too few points");
 }
 

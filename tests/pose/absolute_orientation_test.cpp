@@ -494,6 +494,53 @@ TEST_P(MethodTest, AWeightIsANumberOfPoints) {
   }
 }
 
+TEST_P(MethodTest, LineInFloatFarFromOneOriginIsStillALine) {
+  // Rounded at 1e6 the line has a thickness that says nothing.
+  Points in_a, in_b;
+  const Eigen::Matrix3d rotation = rotation_from_vector({0.3, -0.5, 0.8});
+  for (int k = -5; k <= 5; ++k) {
+    in_a.push_back(0.37 * k * Eigen::Vector3d(1, 2, -1));
+    in_b.push_back(rotation * in_a.back() + Eigen::Vector3d(1e6, 2e6, -1e6));
+  }
+  EXPECT_NE(method().estimate(in_float(in_a), in_float(in_b)).status, OrientationStatus::kOk);
+  in_a[3] += Eigen::Vector3d(100, 0, 0);  // the negative twin: far off the line
+  in_b[3] += rotation * Eigen::Vector3d(100, 0, 0);
+  in_a[4] += Eigen::Vector3d(0, 0, 100);
+  in_b[4] += rotation * Eigen::Vector3d(0, 0, 100);
+  const OrientationEstimate estimate = method().estimate(in_float(in_a), in_float(in_b));
+  ASSERT_EQ(estimate.status, OrientationStatus::kOk);
+  EXPECT_TRUE(is_rotation_near(estimate.b_from_a.rotation, rotation, 0.02));
+}
+
+TEST_P(MethodTest, CloudsOfDifferentSizeTurnAlike) {
+  Draw draw(41);
+  for (const double ratio : {1e-6, 0.01, 2.0, 10.0, 1e6}) {
+    const Eigen::Matrix3d rotation = draw.rotation();
+    Points in_a, in_b;
+    for (int k = 0; k < 10; ++k) {
+      in_a.push_back(draw.in_box(10));
+      in_b.push_back(ratio * (rotation * in_a.back()) + Eigen::Vector3d(1, 2, 3));
+    }
+    const OrientationEstimate estimate = method().estimate(in_a, in_b);
+    ASSERT_EQ(estimate.status, OrientationStatus::kOk) << ratio;
+    EXPECT_TRUE(is_rotation_near(estimate.b_from_a.rotation, rotation, 1e-6)) << ratio;
+  }
+}
+
+TEST_P(MethodTest, SizesThatNoNumberComparesHaveAStatus) {
+  Draw draw(42);
+  Points in_a, in_b;
+  for (int k = 0; k < 10; ++k) {
+    const Eigen::Vector3d x = draw.in_box(1);
+    in_a.push_back(1e-170 * x);
+    in_b.push_back(1e170 * x);
+  }
+  const OrientationEstimate estimate = method().estimate(in_a, in_b);
+  EXPECT_TRUE(estimate.b_from_a.rotation.allFinite());
+  EXPECT_TRUE(estimate.b_from_a.translation.allFinite());
+  EXPECT_TRUE(std::isfinite(estimate.scale));
+}
+
 TEST_P(MethodTest, PointsInFloatGiveWhatTheyHold) {
   Draw draw(34);
   for (const double offset : {0.0, 1e3, 1e6}) {

@@ -308,6 +308,73 @@ TEST(OrpeWeighed, RemovesNoMoreThanAllowed) {
   EXPECT_THAT(weighed(s.problem, options).removed, outliers_of(s.problem));
 }
 
+TEST(OrpeWeighed, OutliersFarBeyondTheSlabTakeNoGoodPointWithThem) {
+  for (const double size_px : {600.0, 2000.0, 10000.0}) {
+    const Score one =
+        score({.outliers = 1, .smallest_px = size_px, .largest_px = size_px}, 300, 118);
+    EXPECT_GE(one.exact_rate, 0.98) << size_px;
+    EXPECT_LE(one.ratio_to_oracle, 1.05) << size_px;
+    const Score two =
+        score({.outliers = 2, .smallest_px = size_px, .largest_px = size_px}, 300, 119);
+    EXPECT_GE(two.exact_rate, 0.9) << size_px;
+  }
+}
+
+TEST(OrpeWeighed, StartsThatEndAtOneMinimumCountOnce) {
+  Draw draw(120);
+  double probability = 0;
+  constexpr int kTrials = 200;
+  for (int i = 0; i < kTrials; ++i) {
+    std::vector<Eigen::Vector3d> points;
+    for (int k = 0; k < 8; ++k) points.push_back({draw.uniform(-1, 1), draw.uniform(-1, 1), 0});
+    Synthetic s =
+        exact_problem(centred_camera(640, 480, 600), points, {draw.rotation_by(0.5), {0, 0, 4}});
+    add_noise(s.problem, 0.5, draw);
+    s.problem.sigma_px = 0.5;
+    probability += weighed(s.problem).removed_probability;
+  }
+  EXPECT_GT(probability / kTrials, 0.97);
+}
+
+TEST(OrpeWeighed, OneOutlierOfAHundredPointsShows) {
+  Draw draw(121);
+  int exact = 0;
+  for (int i = 0; i < 50; ++i) {
+    std::vector<Eigen::Vector3d> points;
+    for (int k = 0; k < 100; ++k) points.push_back(draw.in_box(1));
+    Synthetic s =
+        exact_problem(centred_camera(640, 480, 1000), points, {draw.rotation(), {0.2, 0.1, 12}});
+    s.problem.sigma_px = 1;
+    add_noise(s.problem, 1, draw);
+    add_outlier(s.problem, 17, 12, draw);
+    exact += weighed(s.problem).removed == std::vector<int>{17};
+  }
+  EXPECT_GE(exact, 45);
+}
+
+TEST(OrpeWeighed, AThousandCleanPointsPassTheTest) {
+  Draw draw(122);
+  std::vector<Eigen::Vector3d> points;
+  for (int k = 0; k < 1000; ++k) points.push_back(draw.in_box(1));
+  Synthetic s =
+      exact_problem(centred_camera(640, 480, 1000), points, {draw.rotation(), {0.2, 0.1, 12}});
+  s.problem.sigma_px = 1;
+  add_noise(s.problem, 1, draw);
+  EXPECT_FALSE(weighed(s.problem).is_test_failed);
+  s.problem.sigma_px = 0.8;  // the negative twin
+  EXPECT_TRUE(weighed(s.problem).is_test_failed);
+}
+
+TEST(OrpeWeighed, OptionsThatAreNoNumbersChangeNothingMuch) {
+  Draw draw(123);
+  const Synthetic s = draw_cube({.sigma_px = 0.5, .outliers = 1}, draw);
+  for (const double bad : {kNaN, 0.0, -1.0, kInfinity}) {
+    SolverOptions options;
+    options.outliers.probability = bad;
+    EXPECT_EQ(weighed(s.problem, options).removed, outliers_of(s.problem)) << bad;
+  }
+}
+
 TEST(OrpeWeighed, ManyPointsAreFine) {
   Draw draw(117);
   std::vector<Eigen::Vector3d> points;

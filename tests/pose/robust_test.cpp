@@ -45,14 +45,15 @@ TEST(Robust, ThresholdIsFiniteWhateverTheRate) {
   }
 }
 
-TEST(Robust, RemovalLimitLeavesFivePoints) {
+TEST(Robust, RemovalLimitLeavesFourPoints) {
   EXPECT_EQ(removal_limit({}, 3), 0u);
-  EXPECT_EQ(removal_limit({}, 5), 0u);
-  EXPECT_EQ(removal_limit({}, 8), 3u);
+  EXPECT_EQ(removal_limit({}, 4), 0u);
+  EXPECT_EQ(removal_limit({}, 5), 1u);
+  EXPECT_EQ(removal_limit({}, 8), 4u);
   OutlierOptions options;
   options.max_removed = 2;
   EXPECT_EQ(removal_limit(options, 8), 2u);
-  EXPECT_EQ(removal_limit(options, 6), 1u);
+  EXPECT_EQ(removal_limit(options, 5), 1u);
   options.max_removed = -1;
   EXPECT_EQ(removal_limit(options, 8), 0u);
 }

@@ -263,6 +263,18 @@ TEST_P(EverySolver, SameInputSameBytes) {
   }
 }
 
+TEST_P(EverySolver, ToleranceThatIsNoneIsTheFinestThereIs) {
+  Draw draw(38);
+  for (const double tolerance : {0.0, -1.0, kNaN}) {
+    const Synthetic s = cube_problem(0, draw);
+    SolverOptions options;
+    options.lspe.step_tolerance = tolerance;
+    const PoseEstimate estimate = GetParam().solve(s.problem, options);
+    ASSERT_EQ(estimate.status, PoseStatus::kOk) << tolerance;
+    EXPECT_TRUE(is_pose_near(estimate.cam_from_target, s.cam_from_target, 1e-6, 1e-4));
+  }
+}
+
 TEST_P(EverySolver, TooFewPointsSaySo) {
   Draw draw(8);
   const Synthetic s = cube_problem(0.1, draw);
@@ -644,6 +656,15 @@ TEST(Orpe, RhoIsTheThreshold) {
   EXPECT_THAT(solve("orpe", s.problem, options).removed, ElementsAre(5));
   options.orpe.rho = 1e9;
   EXPECT_THAT(solve("orpe", s.problem, options).removed, IsEmpty());
+}
+
+TEST(Orpe, RhoThatIsNoRatioRemovesNothingFromExactPoints) {
+  Draw draw(39);
+  for (const double rho : {kNaN, 0.0, -1.0, 1.0}) {
+    SolverOptions options;
+    options.orpe.rho = rho;
+    EXPECT_THAT(solve("orpe", cube_problem(0, draw).problem, options).removed, IsEmpty()) << rho;
+  }
 }
 
 TEST(Orpe, NeverLeavesFewerThanFourPoints) {
