@@ -16,7 +16,8 @@ struct P3pPoses {
   std::array<Pose, 4> cam_from_target;
   std::size_t count = 0;
 
-  std::span<const Pose> all() const { return {cam_from_target.data(), count}; }
+  std::span<const Pose> all() const& { return {cam_from_target.data(), count}; }
+  void all() const&& = delete;  // of a temporary, which a loop over it would not keep alive
 };
 
 /// Every pose that puts three points (metres, any unit will do) on three rays of the camera, given

@@ -60,7 +60,8 @@ struct RemovalSet {
   std::array<unsigned short, kernel::kMaxRemoved> points;  ///< ascending
   int size = 0;
 
-  std::span<const unsigned short> span() const { return {points.data(), points.data() + size}; }
+  std::span<const unsigned short> span() const& { return {points.data(), points.data() + size}; }
+  void span() const&& = delete;  // of a temporary, which a loop over it would not keep alive
   bool operator==(const RemovalSet& other) const {
     return std::ranges::equal(span(), other.span());
   }

@@ -167,7 +167,8 @@ std::vector<Candidate> cheapest_poses(const WhitenedCorrespondences& c,
   };
   if (initial) add(to_centred(*initial, c.points));
   for (const Triple& triple : triples_of(canonical_order(c.points))) {
-    for (const Pose& pose : poses_of(c.points, triple).all()) add(pose);
+    const P3pPoses poses = poses_of(c.points, triple);
+    for (const Pose& pose : poses.all()) add(pose);
   }
   const auto end =
       candidates.begin() + static_cast<std::ptrdiff_t>(std::min(kRefined, candidates.size()));

@@ -134,7 +134,8 @@ TEST(P3p, LengthOfRaysUnitAndOrderDoNotMatter) {
     std::ranges::rotate(points, points.begin() + 1);
     std::ranges::rotate(rays, rays.begin() + 1);
     double best = kInfinity;
-    for (Pose pose : p3p(points, rays).all()) {
+    const P3pPoses poses = p3p(points, rays);
+    for (Pose pose : poses.all()) {
       pose.translation /= 1e6;
       best = std::min(best, error_of(pose, s.cam_from_target));
     }
