@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
@@ -86,14 +87,13 @@ std::string catalogue_lists(const std::string& what) {
                                    {"solvers", solvers},
                                    {"methods", methods},
                                    {"studies", studies}};
-  std::vector<std::string> known;
-  std::string all;
+  std::vector<std::string> known, all;
   for (const auto& [name, list] : lists) {
     if (what == name) return list();
     known.push_back(name);
-    if (what.empty()) all += (all.empty() ? "" : "\n") + list();
+    if (what.empty()) all.push_back(list());
   }
-  if (what.empty()) return all;
+  if (what.empty()) return fmt::to_string(fmt::join(all, "\n"));
   throw InputError(fmt::format("list: '{}' is not a list{}", what, suggestion(what, known)));
 }
 
