@@ -60,6 +60,8 @@ constexpr std::size_t kMaxFitted = 5;
 constexpr std::size_t kMaxFittedInNeed = 1000;
 /// What is kept does not look like noise when a sum of squares as large is less probable than this.
 constexpr double kTestLevel = 1e-3;
+/// Squared error over the slab's: outliers beyond it, of 80 px by default, are looked at again.
+constexpr double kFarBeyondSlab2 = 16;
 /// Other poses this probable, and this far away, make the answer ambiguous.
 constexpr double kAmbiguousShare = 0.05;
 constexpr double kAmbiguousDistance2 = 22.46;  // chi-square of six degrees, 99.9 %
@@ -233,13 +235,21 @@ std::vector<RemovalSet> proper_subsets(const RemovalSet& set) {
   return subsets;
 }
 
+bool has_far_outlier(const OutlierModel& s, const Hypothesis& h) {
+  return std::ranges::any_of(h.set.span(), [&](int i) {
+    const std::optional<Eigen::Vector2d> r = residual_px(*s.c, i, h.pose);
+    return !r || r->dot(s.points[i].information * *r) * s.points[i].gamma > kFarBeyondSlab2;
+  });
+}
+
 /// Beside an outlier far beyond the slab the linear weights, whose slab is Gaussian, prefer sets
 /// with good points in them. So the sets within the best one are fitted and weighed too.
 void add_smaller_sets(const OutlierModel& s, const PackedPoints& points, Linearisation& linear,
                       Branch& branch) {
   if (!s.is_sigma_known || branch.hypotheses.empty()) return;
   const Hypothesis best = best_of(branch.hypotheses);
-  if (best.set.size < 2 || !linearise(points, best.pose, linear)) return;
+  if (best.set.size < 2 || !has_far_outlier(s, best)) return;
+  if (!linearise(points, best.pose, linear)) return;
   std::vector<RemovalSet> subsets = proper_subsets(best.set);
   std::erase_if(subsets, [&branch](const RemovalSet& subset) {
     return std::ranges::any_of(branch.hypotheses,
