@@ -12,8 +12,8 @@
 // four solutions; the one that the start leads to is taken), and every pixel within what the lens
 // model can undo. Without an initial pose it starts from the scaled-orthographic pose or from
 // orthogonal iteration (starting_poses); every start is carried to the end and the lowest cost
-// wins. An initial pose that turns out to have been more than 29 degrees off competes with those
-// starts.
+// wins. An initial pose that turns out to have been more than 29 degrees off, or that leads
+// nowhere, competes with those starts.
 //
 // Deviations: the paper leaves the optimiser open. This one is Marquardt's, with the analytic
 // derivative by a rotation vector applied from the left rather than by three angles, which would
@@ -85,11 +85,13 @@ constexpr double kFarStartCosine = 0.8775825618903728;  // of 0.5 rad
 bool has_gone_far(const LeastSquares& solution, const Pose& initial) {
   // The trace of the turn between two rotations is 1 + 2 cos.
   const double trace = solution.cam_from_centred.rotation.cwiseProduct(initial.rotation).sum();
+  if (solution.status == PoseStatus::kDiverged) return true;
   return solution.status == PoseStatus::kOk && trace < 1 + 2 * kFarStartCosine;
 }
 
 LeastSquares better_of(const LeastSquares& first, const LeastSquares& second) {
-  const bool is_second = second.status == PoseStatus::kOk && second.cost_px2 < first.cost_px2;
+  const bool is_second = second.status == PoseStatus::kOk &&
+                         (first.status != PoseStatus::kOk || second.cost_px2 < first.cost_px2);
   LeastSquares better = is_second ? second : first;
   better.iterations = first.iterations + second.iterations;
   return better;
