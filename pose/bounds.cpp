@@ -15,14 +15,6 @@
 namespace sightline {
 namespace {
 
-/// d(pixel) / d(undistorted pixel) at a point of the camera frame.
-Eigen::Matrix2d lens_derivative(const Camera& camera, const Eigen::Vector3d& x_in_cam) {
-  const Eigen::Vector2d normalised = x_in_cam.head<2>() / x_in_cam.z();
-  const Eigen::Vector2d focal(camera.fx_px, camera.fy_px);
-  return focal.asDiagonal() * distortion_jacobian(camera.distortion, normalised) *
-         focal.cwiseInverse().asDiagonal();
-}
-
 /// sqrt of the mean variance of (pitch, yaw, roll). A turn w from the left moves the angles by
 /// E^-1 w, the columns of E being the axes about which the camera sees them turn.
 double attitude_rms(const Eigen::Matrix3d& rotation, const Eigen::Matrix3d& w_covariance) {
@@ -47,8 +39,9 @@ std::optional<Matrix6d> information(const Camera& camera, const Correspondences&
   for (std::size_t i = 0; i < c.size(); ++i) {
     const std::optional<Reprojection> r = reproject(c, i, cam_from_centred);
     if (!r) return std::nullopt;
+    const Eigen::Vector3d x_in_cam = cam_from_centred * c.points_in_centred[i];
     const Eigen::Matrix<double, 2, 6> jacobian =
-        lens_derivative(camera, cam_from_centred * c.points_in_centred[i]) * r->jacobian;
+        lens_jacobian(camera, x_in_cam.head<2>() / x_in_cam.z()) * r->jacobian;
     sum += jacobian.transpose() * covariances_px2[i].inverse() * jacobian;
   }
   return sum;

@@ -49,6 +49,12 @@ Eigen::Matrix2d distortion_jacobian(const BrownConrady& lens, const Eigen::Vecto
   return jacobian;
 }
 
+Eigen::Matrix2d lens_jacobian(const Camera& camera, const Eigen::Vector2d& normalised) {
+  const Eigen::Vector2d focal(camera.fx_px, camera.fy_px);
+  return focal.asDiagonal() * distortion_jacobian(camera.distortion, normalised) *
+         focal.cwiseInverse().asDiagonal();
+}
+
 std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& x_in_cam) {
   if (!(x_in_cam.z() > 0)) return std::nullopt;
   const Eigen::Vector2d image = distorted(camera.distortion, x_in_cam.head<2>() / x_in_cam.z());

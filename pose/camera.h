@@ -39,6 +39,10 @@ Eigen::Vector2d distorted(const BrownConrady& lens, const Eigen::Vector2d& norma
 /// The derivative of `distorted`. Its determinant is positive wherever the lens can be undone.
 Eigen::Matrix2d distortion_jacobian(const BrownConrady& lens, const Eigen::Vector2d& normalised);
 
+/// The derivative of the pixel by the pixel that the camera would see without its lens, at a point
+/// (x/z, y/z) without it.
+Eigen::Matrix2d lens_jacobian(const Camera& camera, const Eigen::Vector2d& normalised);
+
 /// The pixel of a point; none for a point at or behind the camera's plane (z <= 0).
 /// The pixel may lie outside the image.
 std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& x_in_cam);

@@ -437,54 +437,30 @@ Minimax minimax_from(const FitPoints& points, const Pose& cam_from_centred_start
   return result;
 }
 
+namespace {
+
+PackedPoints packed(const FitPoints& points) {
+  std::vector<Eigen::Matrix2d> weights(points.correspondences.size(), Eigen::Matrix2d::Zero());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t point = points.index(i);
+    weights[point] =
+        points.whitening.empty()
+            ? Eigen::Matrix2d(Eigen::Matrix2d::Identity())
+            : Eigen::Matrix2d(points.whitening[point].transpose() * points.whitening[point]);
+  }
+  return PackedPoints(points.correspondences, weights);
+}
+
+}  // namespace
+
 LeastSquares least_squares(const FitPoints& points, std::span<const Pose> cam_from_centred_starts,
                            const LspeOptions& options) {
-  if (points.kept.empty() && points.whitening.empty()) {
-    return least_squares(points.correspondences, cam_from_centred_starts, options);
-  }
-  if (points.whitening.empty()) {
-    std::vector<double> weights(points.correspondences.size(), 0.0);
-    for (const int i : points.kept) weights[static_cast<std::size_t>(i)] = 1;
-    return least_squares(points.correspondences, cam_from_centred_starts, options, weights);
-  }
-  LeastSquares best;
-  best.status = PoseStatus::kDegenerate;
-  const auto evaluate_model = [&](const Pose& pose) -> std::optional<LocalModel> {
-    LocalModel model;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const std::optional<Reprojection> r = reproject(points, i, pose);
-      if (!r) return std::nullopt;
-      model.cost += 0.5 * r->residual_px.squaredNorm();
-      model.gradient.noalias() += r->jacobian.transpose() * r->residual_px;
-      model.hessian.noalias() += r->jacobian.transpose() * r->jacobian;
-    }
-    return model;
-  };
-  int iterations = 0;
-  for (const Pose& start : cam_from_centred_starts) {
-    const Minimum minimum =
-        minimise(start, evaluate_model, options.max_iterations, options.step_tolerance);
-    iterations += minimum.iterations;
-    const bool is_better = best.status != PoseStatus::kOk || 2 * minimum.model.cost < best.cost_px2;
-    if (minimum.status != PoseStatus::kOk && best.status == PoseStatus::kOk) continue;
-    if (!is_better) continue;
-    best = {minimum.status, minimum.pose, Matrix6d::Zero(), 2 * minimum.model.cost, 0};
-    const std::optional<Matrix6d> covariance = inverse_information(minimum.model.hessian);
-    if (covariance) best.unit_covariance = *covariance;
-    if (minimum.status == PoseStatus::kOk && !covariance) best.status = PoseStatus::kDegenerate;
-  }
-  best.iterations = iterations;
-  return best;
+  return least_squares(packed(points), cam_from_centred_starts, options);
 }
 
 std::optional<Matrix6d> unit_covariance(const FitPoints& points, const Pose& cam_from_centred) {
-  Matrix6d information = Matrix6d::Zero();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::optional<Reprojection> r = reproject(points, i, cam_from_centred);
-    if (!r) return std::nullopt;
-    information.noalias() += r->jacobian.transpose() * r->jacobian;
-  }
-  return inverse_information(information);
+  const std::optional<Matrix6d> information = information_at(packed(points), cam_from_centred);
+  return information ? inverse_information(*information) : std::nullopt;
 }
 
 PoseEstimate with_pose(PoseEstimate estimate, const FitPoints& points,

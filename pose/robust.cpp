@@ -25,15 +25,6 @@ std::optional<Eigen::Matrix2d> whitening_of(const Eigen::Matrix2d& covariance) {
   return whitening.allFinite() ? std::optional(whitening) : std::nullopt;
 }
 
-/// The derivative of what the lens makes of a pixel by the undistorted pixel. A whitening of
-/// distorted pixels times it is one of undistorted pixels.
-Eigen::Matrix2d lens_jacobian(const Camera& camera, const Eigen::Vector2d& undistorted) {
-  const Eigen::Vector2d focal(camera.fx_px, camera.fy_px);
-  return focal.asDiagonal() *
-         distortion_jacobian(camera.distortion, undistorted.cwiseQuotient(focal)) *
-         focal.cwiseInverse().asDiagonal();
-}
-
 std::uint64_t hash_of(const Eigen::Vector2d& pixel) {
   const std::uint64_t v = mixed_bits(std::bit_cast<std::uint64_t>(pixel.y()));
   return mixed_bits(std::bit_cast<std::uint64_t>(pixel.x()) + 0x9e3779b97f4a7c15u * v);
@@ -58,10 +49,13 @@ PreparedWhitened prepare_whitened(const PoseProblem& problem) {
   }
   if (problem.covariances_px2.size() != c.size()) return {PoseStatus::kTooFewPoints, {}};
   c.sigma = 1;
+  const Eigen::Vector2d focal_px(c.points.fx_px, c.points.fy_px);
   for (std::size_t i = 0; i < c.size(); ++i) {
     const std::optional<Eigen::Matrix2d> whitening = whitening_of(problem.covariances_px2[i]);
     if (!whitening) return result;
-    c.whitening.emplace_back(*whitening * lens_jacobian(problem.camera, c.points.pixels[i]));
+    // A whitening of distorted pixels times the lens's derivative is one of undistorted pixels.
+    const Eigen::Vector2d normalised = c.points.pixels[i].cwiseQuotient(focal_px);
+    c.whitening.emplace_back(*whitening * lens_jacobian(problem.camera, normalised));
   }
   result.status = PoseStatus::kOk;
   return result;
