@@ -426,8 +426,8 @@ Summary summarise(const Study& study, std::span<const TrialRecord> trials) {
     const auto bounds = bounds_of(study, positions, of_cell, condition, features);
     CellObservations observations = summarise_observations(of_cell, condition);
     set_bounds(bounds, observations);
-    for (const PoseSolver* solver : study.solvers) {
-      summary.cells.push_back(summarise_cell(study, of_cell, condition, solver->name));
+    for (const std::string& solver : study.solver_names()) {
+      summary.cells.push_back(summarise_cell(study, of_cell, condition, solver));
       set_ratios(study, of_cell, bounds, observations, summary.cells.back());
     }
     summary.observations.push_back(observations);
