@@ -39,7 +39,8 @@ PoseLaw read_poses(const TomlTable& table) {
   law.lateral_jitter_m = table.number("lateral_jitter_m", {0, 1e6}, 0.0);
   law.max_redraws = static_cast<int>(table.integer("max_redraws", {0, 100000}, law.max_redraws));
   if (!fixed.empty()) {
-    for (const char* key : {"angle_deg", "attitude", "lateral_m", "range_m", "max_redraws"}) {
+    for (const char* key :
+         {"angle_deg", "attitude", "tilt_deg", "lateral_m", "range_m", "max_redraws"}) {
       if (table.has(key))
         table.fail(key, "cannot stand beside [[poses.fixed]]: give one or the other");
     }
@@ -58,6 +59,12 @@ PoseLaw read_poses(const TomlTable& table) {
     law.drawn_angle_deg = read_range(table, "angle_deg", {-180, 180});
   } else if (table.has("angle_deg")) {
     table.fail("angle_deg", "cannot stand beside attitude = \"uniform\"");
+  }
+  if (table.has("tilt_deg")) {
+    if (!law.is_attitude_uniform) {
+      table.fail("tilt_deg", "needs attitude = \"uniform\" beside it");
+    }
+    law.tilt_deg = drawn(table, "tilt_deg", {0, 180}, 0);
   }
   read_position_ranges(table, law);
   return law;
@@ -227,6 +234,18 @@ Pose jittered_pose(const PoseLaw& law, int pose, RandomStream& stream) {
   return pose_from(law.theta_deg[pose], law.t_m[pose] + Eigen::Vector3d(dx, dy, 0));
 }
 
+// Uniform about both z axes, which make an angle of the range.
+Eigen::Matrix3d tilted_attitude(const Range& tilt_deg, RandomStream& stream) {
+  const auto turn = [](double angle, const Eigen::Vector3d& axis) {
+    return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+  };
+  const double before = stream.uniform(0, 2 * std::numbers::pi);
+  const double tilt = tilt_deg.draw(stream) * kDegree;
+  const double after = stream.uniform(0, 2 * std::numbers::pi);
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  return turn(after, z) * turn(tilt, Eigen::Vector3d::UnitY()) * turn(before, z);
+}
+
 bool has_all_features_inside(const SceneLaw& law, const Pose& cam_from_target) {
   return std::all_of(law.features.begin(), law.features.end(), [&](int feature) {
     const Eigen::Vector3d& position = law.target->features[feature].position_m;
@@ -386,7 +405,9 @@ Pose pose_from(const Eigen::Vector3d& theta_deg, const Eigen::Vector3d& t_m) {
 
 Pose drawn_pose(const PoseLaw& law, RandomStream& stream) {
   Pose pose;
-  if (law.is_attitude_uniform) {
+  if (law.tilt_deg) {
+    pose.rotation = tilted_attitude(*law.tilt_deg, stream);
+  } else if (law.is_attitude_uniform) {
     pose.rotation = stream.rotation();
   } else {
     Eigen::Vector3d theta_deg;

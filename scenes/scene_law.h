@@ -30,10 +30,12 @@ struct PoseLaw {
   /// Added to both lateral coordinates of a given pose, uniform in +-.
   double lateral_jitter_m = 0;
   bool is_attitude_uniform = false;  ///< uniform on SO(3), and drawn_angle_deg means nothing
-  Range drawn_angle_deg;             ///< each of the three angles
-  Range drawn_lateral_m;             ///< x and y of the target's origin
-  Range drawn_range_m;               ///< z of the target's origin
-  int max_redraws = 100;             ///< of a drawn pose with a feature outside the image
+  /// Of a uniform attitude: the angle between the target's z axis and the camera's, where given.
+  std::optional<Range> tilt_deg;
+  Range drawn_angle_deg;  ///< each of the three angles
+  Range drawn_lateral_m;  ///< x and y of the target's origin
+  Range drawn_range_m;    ///< z of the target's origin
+  int max_redraws = 100;  ///< of a drawn pose with a feature outside the image
 };
 
 /// How bodies beside the main target are placed: `count` times, each by draws of its own.

@@ -93,6 +93,21 @@ TEST(SceneLaw, TheLightStandsAtThePhaseAngleOnTheSideSaid) {
   EXPECT_GT(light.y(), 0.8);  // from below the image: its y points down
 }
 
+TEST(SceneLaw, ATiltIsTheAngleBetweenTheZAxes) {
+  const TomlTable table = TomlTable::read_text(kCube + "[light]\n", "scene.toml",
+                                               std::vector<std::string>{"poses.tilt_deg=30"});
+  const SceneLaw law = read_scene_law(table, load_target("cube"), {});
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (int i = 0; i < 500; ++i) {
+    const Eigen::Matrix3d rotation = draw_scene(law, 0, 7, i).scene.cam_from_target.rotation;
+    EXPECT_NEAR(rotation(2, 2), std::cos(30 * kDegree), 1e-12);
+    EXPECT_NEAR((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm(), 0, 1e-12);
+    sum += rotation.col(2) / 500;
+  }
+  // Uniform about the line of sight: the mean of 500 unit vectors in a plane is within 0.1.
+  EXPECT_LT(sum.head<2>().norm(), 0.1 * 0.5 * std::sqrt(2));
+}
+
 TEST(SceneLaw, OtherBodiesStandWhereTheLawSays) {
   const SceneLaw law = law_of(R"(
 [[other]]
@@ -135,6 +150,12 @@ TEST(SceneLaw, MistakesGetOneClearLine) {
   EXPECT_THAT(error_of("[[other]]\ntarget = \"cub\""), HasSubstr("did you mean 'cube'"));
   EXPECT_THAT(error_of("[[other]]\ntarget = \"cube\"\ncount = 999"), HasSubstr("count"));
   EXPECT_THAT(error_of("[motion]\nsamples = 1"), HasSubstr("samples"));
+  EXPECT_THROW(read_scene_law(TomlTable::read_text("[camera]\nf_px = 300\n[poses]\ntilt_deg = 3\n"
+                                                   "angle_deg = [0, 1]\nlateral_m = [0, 0]\n"
+                                                   "range_m = [3, 4]\n",
+                                                   "scene.toml"),
+                              load_target("cube"), {}),
+               InputError);
   EXPECT_THAT(error_of("[image]\npsf = 1"), HasSubstr("not a known key"));
 }
 

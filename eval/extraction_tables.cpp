@@ -1,0 +1,244 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/extraction_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "eval/text_table.h"
+
+namespace sightline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr size_t kLongestLabel = 40;
+constexpr double kDegree = std::numbers::pi / 180;
+
+std::string percent(double rate) {
+  return number_text(100 * rate, 1);
+}
+
+std::string interval(const std::array<double, 2>& ends, double scale, int decimals) {
+  if (std::isnan(ends[0])) return "-";
+  return fmt::format("[{}, {}]", number_text(scale * ends[0], decimals),
+                     number_text(scale * ends[1], decimals));
+}
+
+TextGroup measured_group(const std::string& title, const std::vector<Localisation>& rows,
+                         Measured Localisation::*member, double scale, int decimals) {
+  TextColumn values{"value", {}}, intervals{"95 %", {}};
+  for (const Localisation& row : rows) {
+    const Measured& measured = row.*member;
+    values.cells.push_back(number_text(scale * measured.value, decimals));
+    intervals.cells.push_back(interval(measured.ci95, scale, decimals));
+  }
+  return {title, {values, intervals}};
+}
+
+TextColumn column(const std::string& name, const std::vector<Localisation>& rows,
+                  Measured Localisation::*member, int decimals) {
+  TextColumn out{name, {}};
+  for (const Localisation& row : rows) {
+    out.cells.push_back(number_text((row.*member).value, decimals));
+  }
+  return out;
+}
+
+// The labels that occur, right ones first.
+std::vector<std::string> labels_in(const std::vector<Localisation>& rows) {
+  const std::vector<std::string> order = {"inlier",      "wrong line", "wrong intersection",
+                                          "wrong point", "clutter",    "hidden",
+                                          "missing",     "absent"};
+  std::vector<std::string> found;
+  for (const std::string& label : order) {
+    const bool occurs = std::any_of(rows.begin(), rows.end(), [&](const Localisation& row) {
+      return row.labels.contains(label);
+    });
+    if (occurs) found.push_back(label);
+  }
+  return found;
+}
+
+TextColumn label_column(const std::string& label, const std::vector<Localisation>& rows) {
+  TextColumn column{label, {}};
+  for (const Localisation& row : rows) {
+    int64_t all = 0;
+    for (const auto& [name, count] : row.labels) all += count;
+    const auto own = row.labels.find(label);
+    const double count = own == row.labels.end() ? 0 : static_cast<double>(own->second);
+    column.cells.push_back(percent(count / static_cast<double>(all)));
+  }
+  return column;
+}
+
+TextGroup outlier_group(const std::vector<Localisation>& rows) {
+  TextColumn sizes{"px: 10, 50, 90 %", {}}, sides{"side / °", {}}, length{"unity", {}};
+  for (const Localisation& row : rows) {
+    const auto& [u, v] = row.outlier_side;
+    const bool is_none = std::isnan(row.outlier_px[1]);
+    sizes.cells.push_back(is_none ? "-"
+                                  : fmt::format("{:.1f}, {:.1f}, {:.1f}", row.outlier_px[0],
+                                                row.outlier_px[1], row.outlier_px[2]));
+    sides.cells.push_back(is_none ? "-" : number_text(std::atan2(v, u) / kDegree, 0));
+    length.cells.push_back(is_none ? "-" : number_text(std::hypot(u, v), 2));
+  }
+  return {"outliers", {sizes, sides, length}};
+}
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json measured_json(const Measured& measured) {
+  return {{"value", number(measured.value)},
+          {"ci95", {number(measured.ci95[0]), number(measured.ci95[1])}}};
+}
+
+Json localisation_json(const Localisation& l) {
+  return {
+      {"visible", l.visible},
+      {"found", l.found},
+      {"found_rate", measured_json(l.found_rate)},
+      {"outlier_rate", measured_json(l.outlier_rate)},
+      {"rms_px", measured_json(l.rms_px)},
+      {"bias_u_px", measured_json(l.bias_u_px)},
+      {"bias_v_px", measured_json(l.bias_v_px)},
+      {"rms_sigmas", measured_json(l.rms_sigmas)},
+      {"outlier_px", {number(l.outlier_px[0]), number(l.outlier_px[1]), number(l.outlier_px[2])}},
+      {"outlier_side", {number(l.outlier_side[0]), number(l.outlier_side[1])}},
+      {"labels", l.labels}};
+}
+
+const CellSummary* cell_of(const Summary& summary, int condition, const std::string& solver) {
+  for (const CellSummary& cell : summary.cells) {
+    if (cell.condition == condition && cell.solver == solver) return &cell;
+  }
+  return nullptr;
+}
+
+TextColumn error_column(const std::string& name, const Study& study, const Summary& summary,
+                        const std::string& solver) {
+  TextColumn column{name, {}};
+  for (int c = 0; c < static_cast<int>(study.conditions.size()); ++c) {
+    const CellSummary* const cell = cell_of(summary, c, solver);
+    column.cells.push_back(cell == nullptr ? "-" : number_text(cell->geodesic_deg.mean, 3));
+  }
+  return column;
+}
+
+}  // namespace
+
+ExtractionStatistics::ExtractionStatistics(const Study& study)
+    : cells_(study.conditions.size()), of_both_(study.conditions.size()) {
+  for (const int feature : study.features) {
+    features_.push_back(study.target->features[static_cast<size_t>(feature)].name);
+  }
+  of_features_.resize(features_.size());
+  for (auto& row : of_both_) row.resize(features_.size());
+}
+
+void ExtractionStatistics::add(const TrialRecord& trial) {
+  const auto condition = static_cast<size_t>(trial.condition);
+  cells_[condition].add(trial);
+  for (size_t i = 0; i < features_.size(); ++i) {
+    of_features_[i].add(trial, &features_[i]);
+    of_both_[condition][i].add(trial, &features_[i]);
+  }
+}
+
+Localisation ExtractionStatistics::of_cell(int condition) const {
+  return cells_[static_cast<size_t>(condition)].summary();
+}
+
+Localisation ExtractionStatistics::of_feature(const std::string& feature) const {
+  const auto found = std::find(features_.begin(), features_.end(), feature);
+  return found == features_.end()
+             ? Localisation{}
+             : of_features_[static_cast<size_t>(found - features_.begin())].summary();
+}
+
+Localisation ExtractionStatistics::of(int condition, const std::string& feature) const {
+  const auto found = std::find(features_.begin(), features_.end(), feature);
+  if (found == features_.end()) return {};
+  return of_both_[static_cast<size_t>(condition)][static_cast<size_t>(found - features_.begin())]
+      .summary();
+}
+
+std::string localisation_block(const Study& study, const ExtractionStatistics& statistics) {
+  std::vector<std::string> labels;
+  std::vector<Localisation> rows;
+  for (size_t c = 0; c < study.conditions.size(); ++c) {
+    labels.push_back(shortened(study.conditions[c].label, kLongestLabel));
+    rows.push_back(statistics.of_cell(static_cast<int>(c)));
+  }
+  return text_block(
+      "Features: found of those to be seen, outliers of those found, error of the inliers", labels,
+      {measured_group("found / %", rows, &Localisation::found_rate, 100, 1),
+       measured_group("outliers / %", rows, &Localisation::outlier_rate, 100, 1),
+       measured_group("rms / px", rows, &Localisation::rms_px, 1, 2),
+       {"bias / px",
+        {column("u", rows, &Localisation::bias_u_px, 2),
+         column("v", rows, &Localisation::bias_v_px, 2)}},
+       {"", {column("rms / sigma", rows, &Localisation::rms_sigmas, 2)}}});
+}
+
+std::string failure_block(const ExtractionStatistics& statistics) {
+  std::vector<Localisation> rows;
+  for (const std::string& feature : statistics.features()) {
+    rows.push_back(statistics.of_feature(feature));
+  }
+  std::vector<TextGroup> groups;
+  for (const std::string& label : labels_in(rows)) {
+    groups.push_back({"", {label_column(label, rows)}});
+  }
+  groups.push_back(outlier_group(rows));
+  return text_block("What became of each feature, % of all trials", statistics.features(), groups);
+}
+
+std::string impact_block(const Study& study, const Summary& summary) {
+  if (study.inputs.empty()) return "";
+  std::vector<std::string> labels;
+  for (const Condition& condition : study.conditions) {
+    labels.push_back(shortened(condition.label, kLongestLabel));
+  }
+  std::vector<TextGroup> groups;
+  for (const PoseSolver* solver : study.solvers) {
+    if (solver->evaluation_only) continue;
+    TextGroup group{std::string(solver->name), {}};
+    for (const PoseInput input : study.inputs) {
+      group.columns.push_back(error_column(std::string(to_string(input)), study, summary,
+                                           name_with(solver->name, input)));
+    }
+    group.columns.push_back(error_column("all", study, summary, std::string(solver->name)));
+    groups.push_back(std::move(group));
+  }
+  return text_block(
+      "Where the error comes from: mean geodesic error / ° with exact projections, with noise "
+      "alone, with the inliers, with all that was extracted",
+      labels, groups);
+}
+
+std::string to_json(const Study& study, const ExtractionStatistics& statistics) {
+  Json cells = Json::array();
+  for (size_t c = 0; c < study.conditions.size(); ++c) {
+    const int condition = static_cast<int>(c);
+    Json features = Json::array();
+    for (const std::string& feature : statistics.features()) {
+      Json of_feature = {{"feature", feature}};
+      of_feature.update(localisation_json(statistics.of(condition, feature)));
+      features.push_back(std::move(of_feature));
+    }
+    Json cell = {{"condition", study.conditions[c].label}};
+    cell.update(localisation_json(statistics.of_cell(condition)));
+    cell["features"] = std::move(features);
+    cells.push_back(std::move(cell));
+  }
+  return cells.dump(1);
+}
+
+}  // namespace sightline
