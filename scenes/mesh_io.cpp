@@ -138,7 +138,7 @@ void fill_missing_normals(Mesh& mesh) {
   }
 }
 
-LoadedMesh clean(const MeshSoup& soup) {
+LoadedMesh weld(const MeshSoup& soup) {
   LoadedMesh loaded;
   Mesh& mesh = loaded.mesh;
   mesh.parts = soup.parts;
@@ -236,17 +236,21 @@ double unit_named(const std::string& unit) {
   return metres;
 }
 
-LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame) {
+LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::path& file) {
   const Eigen::Matrix3d target_from_file = target_from_file_rotation(frame, file);
-  require_file(file);
-  MeshSoup soup = read_in_child(file, is_gltf(file) ? read_gltf : read_with_assimp);
   require_size(soup, file);
   transform(soup, target_from_file, frame.unit_m);
-  LoadedMesh loaded = clean(soup);
+  LoadedMesh loaded = weld(soup);
   if (loaded.mesh.triangles.empty()) {
     throw InputError(fmt::format("{}: all its triangles are degenerate", file.string()));
   }
   return loaded;
+}
+
+LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame) {
+  target_from_file_rotation(frame, file);  // a wrong frame is known before the file is read
+  require_file(file);
+  return clean(read_in_child(file, is_gltf(file) ? read_gltf : read_with_assimp), frame, file);
 }
 
 }  // namespace sightline

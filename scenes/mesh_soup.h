@@ -64,6 +64,10 @@ std::string encode(const MeshSoup& soup);
 /// does not exist. Names come out as printable UTF-8 of at most 256 bytes.
 MeshSoup decode(std::string_view bytes, const std::filesystem::path& file);
 
+/// The mesh of a soup, as `read_mesh` tells. Throws InputError for one without size or triangles
+/// and for a wrong frame.
+LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::path& file);
+
 /// What a reader's process may use.
 struct ReaderLimits {
   uint64_t memory_bytes = uint64_t{4} << 30;  ///< beyond what the calling process has mapped
