@@ -158,7 +158,7 @@ std::string proposals_text(const std::vector<FeatureProposal>& proposals) {
         (feature.edges[1].end_m - p).norm(), 100 * proposals[i].visible_fraction,
         100 * proposals[i].outline_fraction);
   }
-  return out + "visible: share of 200 views over the sphere; outline: share of the visible edges\n";
+  return out + "visible: share of 200 views over the sphere; outline: of its lesser edge\n";
 }
 
 }  // namespace

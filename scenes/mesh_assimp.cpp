@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
+#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
@@ -90,6 +91,7 @@ void add_node(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& f
 MeshSoup read_with_assimp(const std::filesystem::path& file) {
   const std::filesystem::path whole_path = std::filesystem::absolute(file);
   Assimp::Importer importer;
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);  // not their ids
   importer.SetIOHandler(new FolderOnly(whole_path.parent_path()));  // the importer deletes it
   const aiScene* scene = importer.ReadFile(whole_path.string(),
                                            aiProcess_Triangulate | aiProcess_ValidateDataStructure);

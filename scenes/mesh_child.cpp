@@ -163,6 +163,16 @@ std::string one_line(std::string text) {
 
 }  // namespace
 
+ReaderLimits limits_for(uint64_t file_bytes) {
+  const ReaderLimits most;
+  const uint64_t mebibytes = file_bytes >> 20;
+  const uint64_t memory_bytes = (uint64_t{512} << 20) + 64 * file_bytes;
+  const int cpu_s = static_cast<int>(std::min<uint64_t>(5 + mebibytes, most.cpu_s));
+  return {.memory_bytes = std::min(memory_bytes, most.memory_bytes),
+          .cpu_s = cpu_s,
+          .wall_s = 60 + 2 * cpu_s};
+}
+
 MeshSoup read_in_child(const std::filesystem::path& file, const Reader& reader,
                        const ReaderLimits& limits) {
   std::array<int, 2> ends{};

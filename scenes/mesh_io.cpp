@@ -204,8 +204,8 @@ bool is_gltf(const std::filesystem::path& file) {
   return extension == ".glb" || extension == ".gltf";
 }
 
-// What a path names is known before it is opened: a pipe would wait for ever.
-void require_file(const std::filesystem::path& file) {
+// Returns its size. What a path names is known before it is opened: a pipe would wait for ever.
+std::uintmax_t require_file(const std::filesystem::path& file) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) {
     const bool exists = std::filesystem::exists(file, error);
@@ -218,6 +218,7 @@ void require_file(const std::filesystem::path& file) {
     throw InputError(fmt::format("{}: has {} MiB, must have at most {}", file.string(), bytes >> 20,
                                  kMaxFileBytes >> 20));
   }
+  return bytes;
 }
 
 }  // namespace
@@ -249,8 +250,9 @@ LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::p
 
 LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame) {
   target_from_file_rotation(frame, file);  // a wrong frame is known before the file is read
-  require_file(file);
-  return clean(read_in_child(file, is_gltf(file) ? read_gltf : read_with_assimp), frame, file);
+  const ReaderLimits limits = limits_for(require_file(file));
+  return clean(read_in_child(file, is_gltf(file) ? read_gltf : read_with_assimp, limits), frame,
+               file);
 }
 
 }  // namespace sightline

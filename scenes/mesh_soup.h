@@ -71,9 +71,13 @@ LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::p
 /// What a reader's process may use.
 struct ReaderLimits {
   uint64_t memory_bytes = uint64_t{4} << 30;  ///< beyond what the calling process has mapped
-  int cpu_s = 60;
-  int wall_s = 120;
+  int cpu_s = 120;
+  int wall_s = 300;
 };
+
+/// Limits that no honest file of this size comes near, and a broken one meets soon: 512 MiB and 64
+/// times the file, at most 4 GiB; 5 s and 1 s for each MiB, at most 120 s.
+ReaderLimits limits_for(uint64_t file_bytes);
 
 /// Runs a reader in a child process and returns its soup: what crashes, hangs or devours memory in
 /// there ends as an InputError that names the file, as do the reader's own errors. The child is a
@@ -83,6 +87,6 @@ struct ReaderLimits {
 /// file, sees no other descriptor of the caller, and dies with it.
 MeshSoup read_in_child(const std::filesystem::path& file,
                        const std::function<MeshSoup(const std::filesystem::path&)>& reader,
-                       const ReaderLimits& limits = {});
+                       const ReaderLimits& limits);
 
 }  // namespace sightline

@@ -334,22 +334,26 @@ EdgeView look_at(const Edge& edge, const Occluder& occluder, const Vector3d& to_
 void look_from_all_sides(Candidate& candidate, const std::vector<Vector3d>& directions,
                          const Occluder& occluder, double size_m) {
   const TargetFeature& feature = candidate.feature;
-  int visible = 0, in_sight = 0, outline = 0;
+  int visible = 0;
+  std::array<int, 2> in_sight{}, outline{};
   candidate.worth_in_view.assign(directions.size(), 0);
   for (size_t v = 0; v < directions.size(); ++v) {
     const Vector3d& to_eye = directions[v];
     const Vector3d eye = feature.position_m + kViewDistance * size_m * to_eye;
     if (occluder.hides(feature.position_m, eye, feature.clearance_m)) continue;
-    const EdgeView a = look_at(feature.edges[0], occluder, to_eye, feature.clearance_m, size_m);
-    const EdgeView b = look_at(feature.edges[1], occluder, to_eye, feature.clearance_m, size_m);
-    if (std::min(a.in_sight, b.in_sight) < kLeastSamplesInSight) continue;
-    const double sine = a.along.cross(b.along).norm();
+    std::array<EdgeView, 2> edges;
+    for (int i = 0; i < 2; ++i) {
+      edges[i] = look_at(feature.edges[i], occluder, to_eye, feature.clearance_m, size_m);
+    }
+    if (std::min(edges[0].in_sight, edges[1].in_sight) < kLeastSamplesInSight) continue;
+    const double sine = edges[0].along.cross(edges[1].along).norm();
     if (sine < std::sin(kLeastAngleDeg * kDegree)) continue;
     ++visible;
-    in_sight += a.in_sight + b.in_sight;
-    outline += a.outline + b.outline;
     double worth = std::min(1.0, sine / std::sin(kFullAngleDeg * kDegree));
-    for (const EdgeView& edge : {a, b}) {
+    for (int i = 0; i < 2; ++i) {
+      const EdgeView& edge = edges[i];
+      in_sight[i] += edge.in_sight;
+      outline[i] += edge.outline;
       const double share = static_cast<double>(edge.outline) / kSamplesPerEdge;
       worth *= std::min(1.0, edge.length_m / (kFullLength * size_m)) *
                (kInnerEdgeWorth + (1 - kInnerEdgeWorth) * share);
@@ -358,7 +362,9 @@ void look_from_all_sides(Candidate& candidate, const std::vector<Vector3d>& dire
   }
   candidate.visible_fraction =
       static_cast<double>(visible) / static_cast<double>(directions.size());
-  candidate.outline_fraction = in_sight > 0 ? static_cast<double>(outline) / in_sight : 0;
+  if (visible == 0) return;
+  candidate.outline_fraction = std::min(static_cast<double>(outline[0]) / in_sight[0],
+                                        static_cast<double>(outline[1]) / in_sight[1]);
 }
 
 double gain_of(const Candidate& candidate, const std::vector<double>& had_in_view) {
@@ -421,7 +427,8 @@ std::vector<FeatureProposal> propose_features(const Mesh& mesh, const Occluder& 
     look_from_all_sides(candidate, directions, occluder, size_m);
   }
   std::erase_if(candidates, [&](const Candidate& candidate) {
-    return candidate.visible_fraction < options.min_visible_fraction;
+    return candidate.visible_fraction < options.min_visible_fraction ||
+           candidate.outline_fraction < options.min_outline_fraction;
   });
   std::vector<FeatureProposal> proposals;
   std::map<std::string, int> last_number;

@@ -119,9 +119,18 @@ class ReadInChild : public testing::Test {
   }
 };
 
+TEST_F(ReadInChild, LimitsGrowWithTheFile) {
+  const ReaderLimits small = limits_for(1000), large = limits_for(uint64_t{10} << 20);
+  EXPECT_EQ(small.cpu_s, 5);
+  EXPECT_EQ(large.cpu_s, 15);
+  EXPECT_GT(large.memory_bytes, small.memory_bytes);
+  EXPECT_EQ(limits_for(uint64_t{1} << 30).cpu_s, 120);
+  EXPECT_EQ(limits_for(uint64_t{1} << 40).memory_bytes, uint64_t{4} << 30);
+}
+
 TEST_F(ReadInChild, GivesWhatTheReaderGives) {
   const MeshSoup soup =
-      read_in_child(kFile, [](const std::filesystem::path&) { return one_triangle(); });
+      read_in_child(kFile, [](const std::filesystem::path&) { return one_triangle(); }, {});
   EXPECT_EQ(encode(soup), encode(one_triangle()));
 }
 
@@ -144,12 +153,12 @@ TEST_F(ReadInChild, ACrashIsOneLine) {
 
 TEST_F(ReadInChild, AReaderThatHangsIsEnded) {
   EXPECT_THAT(error_of_reader([] { pause(); }, {.wall_s = 1}), HasSubstr("too long"));
-  EXPECT_THAT(error_of_reader(
-                  [] {
-                    for (volatile int i = 0;;) i = 0;
-                  },
-                  {.cpu_s = 1}),
-              HasSubstr("too long"));
+  const auto spin = [] {
+    volatile bool is_done = false;
+    while (!is_done) {
+    }
+  };
+  EXPECT_THAT(error_of_reader(spin, {.cpu_s = 1}), HasSubstr("too long"));
 }
 
 TEST_F(ReadInChild, AReaderThatDevoursMemoryIsEnded) {
