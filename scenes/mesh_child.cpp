@@ -134,7 +134,7 @@ std::string why_unusable(const Outcome& outcome, const ReaderLimits& limits) {
   const bool is_signalled = WIFSIGNALED(outcome.status);
   const int signal = is_signalled ? WTERMSIG(outcome.status) : 0;
   if (outcome.is_late || signal == SIGXCPU) {
-    return fmt::format("reading it takes too long (more than {} s)",
+    return fmt::format("broken, or too large: reading it takes more than {} s",
                        outcome.is_late ? limits.wall_s : limits.cpu_s);
   }
   if (outcome.is_endless) return "its reader does not end";
@@ -147,7 +147,7 @@ std::string why_unusable(const Outcome& outcome, const ReaderLimits& limits) {
   }
   if (outcome.message.empty()) return "its reader ended without a word";
   if (outcome.message[0] == kNoMemory) {
-    return fmt::format("reading it takes too much memory (more than {} MiB)",
+    return fmt::format("broken, or too large: reading it takes more than {} MiB",
                        limits.memory_bytes >> 20);
   }
   return "";
@@ -167,7 +167,7 @@ ReaderLimits limits_for(uint64_t file_bytes) {
   const ReaderLimits most;
   const uint64_t mebibytes = file_bytes >> 20;
   const uint64_t memory_bytes = (uint64_t{512} << 20) + 64 * file_bytes;
-  const int cpu_s = static_cast<int>(std::min<uint64_t>(5 + mebibytes, most.cpu_s));
+  const int cpu_s = static_cast<int>(std::min<uint64_t>(2 + mebibytes, most.cpu_s));
   return {.memory_bytes = std::min(memory_bytes, most.memory_bytes),
           .cpu_s = cpu_s,
           .wall_s = 60 + 2 * cpu_s};

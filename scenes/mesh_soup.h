@@ -76,7 +76,7 @@ struct ReaderLimits {
 };
 
 /// Limits that no honest file of this size comes near, and a broken one meets soon: 512 MiB and 64
-/// times the file, at most 4 GiB; 5 s and 1 s for each MiB, at most 120 s.
+/// times the file, at most 4 GiB; 2 s and 1 s for each MiB, at most 120 s.
 ReaderLimits limits_for(uint64_t file_bytes);
 
 /// Runs a reader in a child process and returns its soup: what crashes, hangs or devours memory in

@@ -29,7 +29,7 @@ struct ProposalOptions {
 struct FeatureProposal {
   TargetFeature feature;        ///< a line intersection, named <part>_<n>
   double visible_fraction = 0;  ///< of the views: its point and most of both edges near it
-  double outline_fraction = 0;  ///< of the lesser edge where visible: seen against the background
+  double outline_fraction = 0;  ///< of the lesser edge: seen against the background
 };
 
 /// Points where two long straight sharp edges of a mesh meet, best first. The mesh may be an open,

@@ -226,6 +226,7 @@ TEST_F(MeshZoo, NodesGivePartsTheirNamesAndMaterialsTheirAlbedo) {
 TEST_F(MeshZoo, TornFilesAreErrorsOrMeshesNeverCrashes) {
   for (const auto& [name, content] : whole_files()) {
     for (const size_t eighths : {1, 4, 7}) {
+      if (name == "cube.ply" && eighths < 7) continue;  // see the next test
       const auto file = folder_.write(name, content.substr(0, content.size() * eighths / 8));
       const std::string error = error_of(file);
       if (error.empty()) continue;  // some formats end anywhere
@@ -233,6 +234,12 @@ TEST_F(MeshZoo, TornFilesAreErrorsOrMeshesNeverCrashes) {
       EXPECT_EQ(error.find('\n'), std::string::npos) << error;
     }
   }
+}
+
+TEST_F(MeshZoo, AFileItsReaderNeverEndsOnIsAnError) {
+  // Assimp 5.2 looks for the rest of a torn ASCII .ply for ever.
+  const auto file = folder_.write("torn.ply", ply().substr(0, ply().size() / 2));
+  EXPECT_NE(clean_error_of(file), "");
 }
 
 TEST_F(MeshZoo, GarbageOfAnyNameIsAnError) {
