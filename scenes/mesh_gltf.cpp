@@ -236,6 +236,25 @@ std::string read_whole(const std::filesystem::path& file) {
   return bytes;
 }
 
+// Throws unless the chunks of a .glb lie within it: tinygltf believes their lengths.
+void require_whole_glb(std::string_view bytes, const std::filesystem::path& file) {
+  constexpr size_t kHeaderBytes = 12;  // magic, version, length
+  constexpr size_t kChunkHeaderBytes = 8;
+  if (bytes.size() < kHeaderBytes) fail(file, "it is torn within its header");
+  uint32_t declared = 0;
+  std::memcpy(&declared, bytes.data() + 8, sizeof declared);
+  bytes = bytes.substr(0, declared);
+  size_t at = kHeaderBytes;
+  while (at < bytes.size()) {
+    if (bytes.size() - at < kChunkHeaderBytes) fail(file, "it is torn within a chunk's header");
+    uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + at, sizeof length);
+    at += kChunkHeaderBytes;
+    if (length > bytes.size() - at) fail(file, "it is torn: a chunk is longer than the file");
+    at += length;
+  }
+}
+
 // What tinygltf may open for a buffer's URI: regular files in the folder, or below it.
 bool is_readable(const std::string& path, void* folder) {
   return is_inside(*static_cast<const std::filesystem::path*>(folder), path) &&
@@ -377,15 +396,16 @@ MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& fi
                         nullptr);
   if (bytes.size() > std::numeric_limits<unsigned>::max()) fail(file, "it is larger than 4 GiB");
   const auto size = static_cast<unsigned>(bytes.size());
+  const bool is_binary = bytes.starts_with(kBinaryMagic);
+  if (is_binary) require_whole_glb(bytes, file);
   tinygltf::Model model;
   std::string error, warning;
   const bool read =
-      bytes.starts_with(kBinaryMagic)
-          ? loader.LoadBinaryFromMemory(&model, &error, &warning,
-                                        reinterpret_cast<const unsigned char*>(bytes.data()), size,
-                                        folder.string())
-          : loader.LoadASCIIFromString(&model, &error, &warning, bytes.data(), size,
-                                       folder.string());
+      is_binary ? loader.LoadBinaryFromMemory(&model, &error, &warning,
+                                              reinterpret_cast<const unsigned char*>(bytes.data()),
+                                              size, folder.string())
+                : loader.LoadASCIIFromString(&model, &error, &warning, bytes.data(), size,
+                                             folder.string());
   if (!read) fail(file, error.empty() ? "not a glTF file" : error);
   return Reader(model, file).read();
 }

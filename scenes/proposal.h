@@ -16,10 +16,10 @@ struct ProposalOptions {
   int max_features = 16;
   double sharp_angle_deg = 20;         ///< the faces at a crease turn by this at least
   double straightness = 0.0015;        ///< an edge's vertices lie this close to its line
-  double min_length = 0.012;           ///< of each of the two edges
+  double min_length = 0.02;            ///< of each of the two edges
   double max_gap = 0.015;              ///< from the end of an edge to where the lines meet
   double min_angle_deg = 20;           ///< between the edges, and from being one line
-  double min_distance = 0.03;          ///< between features
+  double min_distance = 0.02;          ///< between features
   double min_visible_fraction = 0.15;  ///< of the views
   double min_outline_fraction = 0.3;   ///< of each edge: flush panels have edges nobody sees
   int views = 200;                     ///< spread evenly over the sphere
