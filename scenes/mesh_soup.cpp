@@ -109,7 +109,7 @@ class Decoder {
 
   Eigen::Vector3d vector() {
     Eigen::Vector3d v;
-    for (int i = 0; i < 3; ++i) v[i] = number<double>();
+    std::memcpy(v.data(), take(3 * sizeof(double)).data(), 3 * sizeof(double));
     return v;
   }
 
@@ -179,12 +179,8 @@ std::string encode(const MeshSoup& soup) {
     append(bytes, part.albedo);
   }
   for (const SoupTriangle& triangle : soup.triangles) {
-    for (const Eigen::Vector3d& corner : triangle.corner) {
-      for (int i = 0; i < 3; ++i) append(bytes, corner[i]);
-    }
-    for (const Eigen::Vector3d& normal : triangle.normal) {
-      for (int i = 0; i < 3; ++i) append(bytes, normal[i]);
-    }
+    append(bytes, triangle.corner);
+    append(bytes, triangle.normal);
     append(bytes, static_cast<uint32_t>(triangle.part));
   }
   return bytes;
