@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "eval/target_proposal.h"
 #include "pose/attitude.h"
 #include "renderer/renderer.h"
 #include "scenes/input_error.h"
@@ -85,7 +86,8 @@ std::string features_text(const Target& target) {
   return out;
 }
 
-// A long lens on the middle of the target, filling the picture.
+}  // namespace
+
 Scene picture_scene(const std::shared_ptr<const Target>& target,
                     const std::vector<double>& theta_deg) {
   constexpr double kDegree = std::numbers::pi / 180;
@@ -114,43 +116,50 @@ Scene picture_scene(const std::shared_ptr<const Target>& target,
   return scene;
 }
 
-void draw_picture(const std::shared_ptr<const Target>& target, const TargetArguments& arguments) {
-  const std::filesystem::path file = arguments.picture;
-  if (file.extension() != ".png") {
-    throw InputError(fmt::format("--picture {}: must end in .png", arguments.picture));
+void write_picture(const cv::Mat& image, const std::string& file) {
+  if (std::filesystem::path(file).extension() != ".png") {
+    throw InputError(fmt::format("--picture {}: must end in .png", file));
   }
-  const Scene scene = picture_scene(target, arguments.theta_deg);
-  const Frame frame = Renderer().render(scene, RandomStream(0, "picture", 0));
   bool is_written = false;
   try {
-    is_written = cv::imwrite(file.string(), frame.image);
+    is_written = cv::imwrite(file, image);
   } catch (const cv::Exception&) {
   }
-  if (!is_written) throw InputError(fmt::format("--picture {}: cannot be written", file.string()));
+  if (!is_written) throw InputError(fmt::format("--picture {}: cannot be written", file));
+}
+
+namespace {
+
+MeshFrame frame_of(const TargetArguments& arguments) {
+  const bool has_frame = !(arguments.forward + arguments.up + arguments.unit).empty();
+  if (has_frame && !is_mesh_file(arguments.target)) {
+    throw InputError(
+        fmt::format("target {}: --forward, --up and --unit are for mesh files; a "
+                    "target says itself how its mesh lies",
+                    arguments.target));
+  }
+  MeshFrame frame;
+  if (!arguments.forward.empty()) frame.forward = arguments.forward;
+  if (!arguments.up.empty()) frame.up = arguments.up;
+  if (!arguments.unit.empty()) frame.unit_m = unit_named(arguments.unit);
+  return frame;
 }
 
 }  // namespace
 
 std::string report_target(const TargetArguments& arguments) {
-  const bool is_mesh = is_mesh_file(arguments.target);
-  if (!is_mesh && !(arguments.forward + arguments.up).empty()) {
-    throw InputError(fmt::format(
-        "target {}: --forward and --up are for mesh files; a target says itself how its mesh lies",
-        arguments.target));
-  }
   for (const double angle : arguments.theta_deg) {
     if (!std::isfinite(angle)) throw InputError(fmt::format("--theta: {} is not finite", angle));
   }
-  MeshFrame frame;
-  if (!arguments.forward.empty()) frame.forward = arguments.forward;
-  if (!arguments.up.empty()) frame.up = arguments.up;
-  const std::shared_ptr<const Target> target = load_target(arguments.target, frame);
+  const std::shared_ptr<const Target> target = load_target(arguments.target, frame_of(arguments));
   const MeshInspection mesh = inspect(target->mesh);
   std::string out = target->name;
   if (!target->description.empty()) out += ": " + target->description;
   out += "\n\n" + mesh_text(*target, mesh) + parts_text(mesh) + features_text(*target);
+  if (arguments.propose) return out + propose_target(target, arguments);
   if (!arguments.picture.empty()) {
-    draw_picture(target, arguments);
+    const Scene scene = picture_scene(target, arguments.theta_deg);
+    write_picture(Renderer().render(scene, RandomStream(0, "picture", 0)).image, arguments.picture);
     out += fmt::format("\npicture    {}\n", arguments.picture);
   }
   return out;

@@ -1,6 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
+#include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
@@ -10,6 +12,22 @@
 
 namespace sightline {
 namespace {
+
+// Materials and scenes name other files: only those of the mesh's own folder are opened.
+class FolderOnly : public Assimp::DefaultIOSystem {
+ public:
+  explicit FolderOnly(std::filesystem::path folder) : folder_(std::move(folder)) {}
+
+  bool Exists(const char* file) const override {
+    return is_inside(folder_, file) && std::filesystem::is_regular_file(file);
+  }
+  Assimp::IOStream* Open(const char* file, const char* mode) override {
+    return Exists(file) ? DefaultIOSystem::Open(file, mode) : nullptr;
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
 
 Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
   Eigen::Matrix4d out;
@@ -32,7 +50,9 @@ double albedo_of(const aiScene& scene, const aiMesh& mesh) {
 }
 
 void add_mesh(const aiScene& scene, const aiMesh& mesh, const aiNode& node,
-              const Eigen::Matrix4d& file_from_node, MeshSoup& soup) {
+              const Eigen::Matrix4d& file_from_node, const std::filesystem::path& file,
+              MeshSoup& soup) {
+  require_room(soup, mesh.mNumFaces, file);
   // Formats differ in where they name a piece: .ac on the node, .obj and .3ds on the mesh.
   const std::string node_name = node.mName.C_Str();
   const std::string mesh_name = mesh.mName.C_Str();
@@ -56,31 +76,33 @@ void add_mesh(const aiScene& scene, const aiMesh& mesh, const aiNode& node,
 }
 
 void add_node(const aiScene& scene, const aiNode& node, const Eigen::Matrix4d& file_from_parent,
-              MeshSoup& soup) {
+              const std::filesystem::path& file, MeshSoup& soup) {
   const Eigen::Matrix4d file_from_node = file_from_parent * to_eigen(node.mTransformation);
   for (unsigned i = 0; i < node.mNumMeshes; ++i) {
-    add_mesh(scene, *scene.mMeshes[node.mMeshes[i]], node, file_from_node, soup);
+    add_mesh(scene, *scene.mMeshes[node.mMeshes[i]], node, file_from_node, file, soup);
   }
   for (unsigned i = 0; i < node.mNumChildren; ++i) {
-    add_node(scene, *node.mChildren[i], file_from_node, soup);
+    add_node(scene, *node.mChildren[i], file_from_node, file, soup);
   }
 }
 
 }  // namespace
 
 MeshSoup read_with_assimp(const std::filesystem::path& file) {
+  const std::filesystem::path whole_path = std::filesystem::absolute(file);
   Assimp::Importer importer;
-  const aiScene* scene =
-      importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_ValidateDataStructure);
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);  // not their ids
+  importer.SetIOHandler(new FolderOnly(whole_path.parent_path()));  // the importer deletes it
+  const aiScene* scene = importer.ReadFile(whole_path.string(),
+                                           aiProcess_Triangulate | aiProcess_ValidateDataStructure);
   const bool is_whole = scene != nullptr && scene->mRootNode != nullptr &&
                         (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) == 0;
   if (!is_whole) {
-    std::string reason = importer.GetErrorString();
-    for (char& c : reason) c = c == '\n' ? ' ' : c;
-    throw InputError(fmt::format("{}: cannot be read as a mesh: {}", file.string(), reason));
+    throw InputError(
+        fmt::format("{}: cannot be read as a mesh: {}", file.string(), importer.GetErrorString()));
   }
   MeshSoup soup;
-  add_node(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity(), soup);
+  add_node(*scene, *scene->mRootNode, Eigen::Matrix4d::Identity(), file, soup);
   return soup;
 }
 

@@ -23,8 +23,7 @@ namespace sightline {
 namespace {
 
 [[noreturn]] void fail(const std::filesystem::path& file, std::string reason) {
-  for (char& c : reason) c = c == '\n' ? ' ' : c;
-  while (!reason.empty() && reason.back() == ' ') reason.pop_back();
+  while (!reason.empty() && reason.back() == '\n') reason.pop_back();
   throw InputError(fmt::format("{}: cannot be read as glTF: {}", file.string(), reason));
 }
 
@@ -121,6 +120,8 @@ std::array<size_t, 3> corners_of(int mode, size_t i) {
   return {3 * i, 3 * i + 1, 3 * i + 2};
 }
 
+constexpr int kMaxDepth = 256;
+
 class Reader {
  public:
   Reader(const tinygltf::Model& model, const std::filesystem::path& file)
@@ -128,7 +129,7 @@ class Reader {
 
   MeshSoup read() {
     for (const int node : root_nodes()) add_node(node, Eigen::Matrix4d::Identity(), 0);
-    return soup_;
+    return std::move(soup_);
   }
 
  private:
@@ -152,7 +153,9 @@ class Reader {
 
   void add_node(int index, const Eigen::Matrix4d& file_from_parent, int depth) {
     if (index < 0 || index >= static_cast<int>(model_.nodes.size())) fail(file_, "bad node index");
-    if (depth > 64) fail(file_, "nodes are nested deeper than 64 or in a circle");
+    if (depth > kMaxDepth) fail(file_, fmt::format("nodes are nested deeper than {}", kMaxDepth));
+    // Each has one parent, says glTF; else a few nodes could unfold into any number.
+    if (!visited_.insert(index).second) fail(file_, fmt::format("node {} has two parents", index));
     const tinygltf::Node& node = model_.nodes[index];
     const Eigen::Matrix4d file_from_node = file_from_parent * local_transform(node);
     if (node.mesh >= 0 && node.mesh < static_cast<int>(model_.meshes.size())) {
@@ -179,11 +182,12 @@ class Reader {
     std::optional<Accessor> indices;
     if (primitive.indices >= 0) indices.emplace(model_, primitive.indices, file_);
 
-    soup_.parts.push_back({part_name(primitive, node), albedo_of(primitive)});
     const size_t corner_count = indices ? indices->count() : positions.count();
     const size_t triangle_count = mode == TINYGLTF_MODE_TRIANGLES ? corner_count / 3
                                   : corner_count < 3              ? 0
                                                                   : corner_count - 2;
+    require_room(soup_, triangle_count, file_);
+    soup_.parts.push_back({part_name(primitive, node), albedo_of(primitive)});
     for (size_t i = 0; i < triangle_count; ++i) {
       SoupTriangle triangle;
       triangle.part = static_cast<int>(soup_.parts.size()) - 1;
@@ -219,8 +223,54 @@ class Reader {
 
   const tinygltf::Model& model_;
   const std::filesystem::path& file_;
+  std::set<int> visited_;
   MeshSoup soup_;
 };
+
+constexpr std::string_view kBinaryMagic = "glTF";
+
+std::string read_whole(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(stream)), {});
+  if (!stream) fail(file, "it cannot be opened");
+  return bytes;
+}
+
+// Throws unless the chunks of a .glb lie within it: tinygltf believes their lengths.
+void require_whole_glb(std::string_view bytes, const std::filesystem::path& file) {
+  constexpr size_t kHeaderBytes = 12;  // magic, version, length
+  constexpr size_t kChunkHeaderBytes = 8;
+  if (bytes.size() < kHeaderBytes) fail(file, "it is torn within its header");
+  uint32_t declared = 0;
+  std::memcpy(&declared, bytes.data() + 8, sizeof declared);
+  bytes = bytes.substr(0, declared);
+  size_t at = kHeaderBytes;
+  while (at < bytes.size()) {
+    if (bytes.size() - at < kChunkHeaderBytes) fail(file, "it is torn within a chunk's header");
+    uint32_t length = 0;
+    std::memcpy(&length, bytes.data() + at, sizeof length);
+    at += kChunkHeaderBytes;
+    if (length > bytes.size() - at) fail(file, "it is torn: a chunk is longer than the file");
+    at += length;
+  }
+}
+
+// What tinygltf may open for a buffer's URI: regular files in the folder, or below it.
+bool is_readable(const std::string& path, void* folder) {
+  return is_inside(*static_cast<const std::filesystem::path*>(folder), path) &&
+         std::filesystem::is_regular_file(path);
+}
+
+bool read_buffer(std::vector<unsigned char>* out, std::string* error, const std::string& path,
+                 void* folder) {
+  if (!is_readable(path, folder)) {
+    *error = "lies outside the file's folder";
+    return false;
+  }
+  std::ifstream stream(path, std::ios::binary);
+  out->assign(std::istreambuf_iterator<char>(stream), {});
+  return static_cast<bool>(stream);
+}
 
 // Accumulates the one binary buffer of the file that is written.
 class BufferWriter {
@@ -332,19 +382,36 @@ void add_part(tinygltf::Model& model, BufferWriter& writer, const Mesh& mesh, in
 
 }  // namespace
 
-MeshSoup read_gltf(const std::filesystem::path& file) {
+MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& file) {
+  std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
   tinygltf::TinyGLTF loader;
+  loader.SetFsCallbacks({.FileExists = is_readable,
+                         .ExpandFilePath = tinygltf::ExpandFilePath,
+                         .ReadWholeFile = read_buffer,
+                         .WriteWholeFile = tinygltf::WriteWholeFile,
+                         .user_data = &folder});
   // Textures are not drawn: accept images of any kind without decoding them.
   loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int,
                            const unsigned char*, int, void*) { return true; },
                         nullptr);
+  if (bytes.size() > std::numeric_limits<unsigned>::max()) fail(file, "it is larger than 4 GiB");
+  const auto size = static_cast<unsigned>(bytes.size());
+  const bool is_binary = bytes.starts_with(kBinaryMagic);
+  if (is_binary) require_whole_glb(bytes, file);
   tinygltf::Model model;
   std::string error, warning;
-  const bool read = file.extension() == ".glb"
-                        ? loader.LoadBinaryFromFile(&model, &error, &warning, file.string())
-                        : loader.LoadASCIIFromFile(&model, &error, &warning, file.string());
+  const bool read =
+      is_binary ? loader.LoadBinaryFromMemory(&model, &error, &warning,
+                                              reinterpret_cast<const unsigned char*>(bytes.data()),
+                                              size, folder.string())
+                : loader.LoadASCIIFromString(&model, &error, &warning, bytes.data(), size,
+                                             folder.string());
   if (!read) fail(file, error.empty() ? "not a glTF file" : error);
   return Reader(model, file).read();
+}
+
+MeshSoup read_gltf(const std::filesystem::path& file) {
+  return read_gltf_bytes(read_whole(file), file);
 }
 
 void write_glb(const Mesh& mesh, const std::filesystem::path& file) {

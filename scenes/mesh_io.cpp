@@ -3,14 +3,16 @@
 #include "scenes/mesh_io.h"
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numbers>
 #include <set>
 #include <unordered_map>
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <fmt/format.h>
 
 #include "scenes/input_error.h"
@@ -20,17 +22,21 @@ namespace sightline {
 namespace {
 
 constexpr double kDefaultCreaseAngleRad = 45 * std::numbers::pi / 180;
+constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
+constexpr double kSmallestUnitM = 1e-6;
+constexpr double kLargestUnitM = 1e6;
 constexpr double kWeldFraction = 1e-6;  // of the mesh's size: float files carry 1e-7
 
 Eigen::Vector3d axis_named(const std::string& name, const char* key,
                            const std::filesystem::path& file) {
-  const bool well_formed =
-      name.size() == 2 && (name[0] == '+' || name[0] == '-') && name[1] >= 'x' && name[1] <= 'z';
-  if (!well_formed) {
+  const std::string signed_name = name.size() == 1 ? "+" + name : name;
+  const bool is_axis = signed_name.size() == 2 && (name[0] == '-' || signed_name[0] == '+') &&
+                       signed_name[1] >= 'x' && signed_name[1] <= 'z';
+  if (!is_axis) {
     throw InputError(fmt::format("{}: {} = \"{}\" is no axis (allowed: +x, -x, +y, -y, +z, -z)",
                                  file.string(), key, name));
   }
-  return (name[0] == '-' ? -1.0 : 1.0) * Eigen::Vector3d::Unit(name[1] - 'x');
+  return (name[0] == '-' ? -1.0 : 1.0) * Eigen::Vector3d::Unit(signed_name[1] - 'x');
 }
 
 Eigen::Matrix3d target_from_file_rotation(const MeshFrame& frame,
@@ -41,9 +47,9 @@ Eigen::Matrix3d target_from_file_rotation(const MeshFrame& frame,
     throw InputError(fmt::format("{}: forward = \"{}\" and up = \"{}\" must be different axes",
                                  file.string(), frame.forward, frame.up));
   }
-  if (!(frame.unit_m > 0) || !std::isfinite(frame.unit_m)) {
-    throw InputError(
-        fmt::format("{}: unit_m = {} must be a positive number", file.string(), frame.unit_m));
+  if (!(frame.unit_m >= kSmallestUnitM && frame.unit_m <= kLargestUnitM)) {
+    throw InputError(fmt::format("{}: unit_m = {} must be from {} to {}", file.string(),
+                                 frame.unit_m, kSmallestUnitM, kLargestUnitM));
   }
   Eigen::Matrix3d rotation;
   rotation.row(0) = forward;
@@ -117,19 +123,22 @@ bool is_degenerate(const Mesh& mesh, const std::array<int, 3>& v, double toleran
   return a.cross(b).norm() <= tolerance_m * longest;
 }
 
-// Keeps the normals that the file has.
+// Keeps the normals that the file has, on the side where the triangle is counter-clockwise: there a
+// soup's normals and windings may disagree, and both sides are drawn.
 void fill_missing_normals(Mesh& mesh) {
   const std::vector<Triangle> from_file = mesh.triangles;
   compute_corner_normals(mesh, kDefaultCreaseAngleRad);
   for (size_t i = 0; i < from_file.size(); ++i) {
     for (int corner = 0; corner < 3; ++corner) {
       const Eigen::Vector3d& normal = from_file[i].normal[corner];
-      if (normal.squaredNorm() > 0) mesh.triangles[i].normal[corner] = normal;
+      if (normal.isZero()) continue;
+      const bool is_inside_out = normal.dot(face_normal(mesh, from_file[i])) < 0;
+      mesh.triangles[i].normal[corner] = is_inside_out ? Eigen::Vector3d(-normal) : normal;
     }
   }
 }
 
-LoadedMesh clean(const MeshSoup& soup) {
+LoadedMesh weld(const MeshSoup& soup) {
   LoadedMesh loaded;
   Mesh& mesh = loaded.mesh;
   mesh.parts = soup.parts;
@@ -170,83 +179,80 @@ void transform(MeshSoup& soup, const Eigen::Matrix3d& rotation, double unit_m) {
   }
 }
 
-// Beyond these, sizes and cells would not be numbers that doubles and grids can hold.
-constexpr double kLargestCoordinate = 1e12;
 constexpr double kSmallestSizeFraction = 1e-9;  // of the greatest coordinate
-constexpr size_t kMaxParts = 65535;             // ids of parts have 16 bits, 0 is background
 
-void require_usable(const MeshSoup& soup, const std::filesystem::path& file) {
+void require_size(const MeshSoup& soup, const std::filesystem::path& file) {
+  if (soup.triangles.empty()) {
+    throw InputError(fmt::format("{}: holds no triangles", file.string()));
+  }
   double largest = 0;
   for (const SoupTriangle& triangle : soup.triangles) {
     for (const Eigen::Vector3d& corner : triangle.corner) {
-      if (!corner.allFinite()) {
-        throw InputError(fmt::format("{}: a vertex is not a finite number", file.string()));
-      }
       largest = std::max(largest, corner.cwiseAbs().maxCoeff());
     }
-  }
-  if (largest > kLargestCoordinate) {
-    throw InputError(fmt::format("{}: a coordinate is {:.3g}, must be at most {:.0e}",
-                                 file.string(), largest, kLargestCoordinate));
   }
   const double size = size_of(soup);
   if (!(size > kSmallestSizeFraction * largest)) {
     throw InputError(fmt::format("{}: all its triangles are degenerate (its size is {:.3g})",
                                  file.string(), size));
   }
-  if (soup.parts.size() > kMaxParts) {
-    throw InputError(fmt::format("{}: has {} parts, must have at most {}", file.string(),
-                                 soup.parts.size(), kMaxParts));
+}
+
+bool is_gltf(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".glb" || extension == ".gltf";
+}
+
+// Returns its size. What a path names is known before it is opened: a pipe would wait for ever.
+std::uintmax_t require_file(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    const bool exists = std::filesystem::exists(file, error);
+    throw InputError(fmt::format("{}: {}", file.string(),
+                                 exists ? "is not a regular file" : "no such mesh file"));
   }
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error || bytes == 0) throw InputError(fmt::format("{}: is empty", file.string()));
+  if (bytes > kMaxFileBytes) {
+    throw InputError(fmt::format("{}: has {} MiB, must have at most {}", file.string(), bytes >> 20,
+                                 kMaxFileBytes >> 20));
+  }
+  return bytes;
 }
 
 }  // namespace
 
-double luminance(double red, double green, double blue) {
-  return std::clamp(0.2126 * red + 0.7152 * green + 0.0722 * blue, 0.0, 1.0);
-}
-
-void add_transformed(MeshSoup& soup, const SoupTriangle& triangle,
-                     const Eigen::Matrix4d& file_from_mesh) {
-  const Eigen::Matrix3d linear = file_from_mesh.topLeftCorner<3, 3>();
-  const Eigen::Vector3d offset = file_from_mesh.topRightCorner<3, 1>();
-  const double determinant = linear.determinant();
-  // Normals go by the cofactor matrix, which is also right for singular and mirroring transforms.
-  Eigen::Matrix3d cofactors;
-  cofactors.col(0) = linear.col(1).cross(linear.col(2));
-  cofactors.col(1) = linear.col(2).cross(linear.col(0));
-  cofactors.col(2) = linear.col(0).cross(linear.col(1));
-  if (determinant < 0) cofactors = -cofactors;
-
-  SoupTriangle moved{.corner = {}, .normal = {}, .part = triangle.part};
-  for (int i = 0; i < 3; ++i) {
-    const int from = determinant < 0 ? 2 - i : i;
-    moved.corner[i] = linear * triangle.corner[from] + offset;
-    moved.normal[i] = (cofactors * triangle.normal[from]).stableNormalized();
+double unit_named(const std::string& unit) {
+  static const std::map<std::string, double> kUnits = {
+      {"km", 1000}, {"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}};
+  if (const auto found = kUnits.find(unit); found != kUnits.end()) return found->second;
+  double metres = 0;
+  const auto [end, error] = std::from_chars(unit.data(), unit.data() + unit.size(), metres);
+  if (error != std::errc() || end != unit.data() + unit.size() || !std::isfinite(metres)) {
+    throw InputError(fmt::format(
+        "unit \"{}\" is not known (allowed: m, cm, mm, km, in, ft or metres in one as a number)",
+        unit));
   }
-  soup.triangles.push_back(moved);
+  return metres;
 }
 
-LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame) {
+LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::path& file) {
   const Eigen::Matrix3d target_from_file = target_from_file_rotation(frame, file);
-  if (!std::filesystem::is_regular_file(file)) {
-    const bool exists = std::filesystem::exists(file);
-    throw InputError(fmt::format("{}: {}", file.string(),
-                                 exists ? "is not a regular file" : "no such mesh file"));
-  }
-  const std::string extension = file.extension().string();
-  const bool is_gltf = extension == ".glb" || extension == ".gltf";
-  MeshSoup soup = is_gltf ? read_gltf(file) : read_with_assimp(file);
-  if (soup.triangles.empty()) {
-    throw InputError(fmt::format("{}: holds no triangles", file.string()));
-  }
-  require_usable(soup, file);
+  require_size(soup, file);
   transform(soup, target_from_file, frame.unit_m);
-  LoadedMesh loaded = clean(soup);
+  LoadedMesh loaded = weld(soup);
   if (loaded.mesh.triangles.empty()) {
     throw InputError(fmt::format("{}: all its triangles are degenerate", file.string()));
   }
   return loaded;
+}
+
+LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame) {
+  target_from_file_rotation(frame, file);  // a wrong frame is known before the file is read
+  const ReaderLimits limits = limits_for(require_file(file));
+  return clean(read_in_child(file, is_gltf(file) ? read_gltf : read_with_assimp, limits), frame,
+               file);
 }
 
 }  // namespace sightline

@@ -10,12 +10,16 @@
 namespace sightline {
 
 /// How a mesh file's axes and unit relate to the target's frame (x forward, y starboard, z down).
-/// Axes are named "+x", "-x", ... "-z"; the default leaves coordinates as they are.
+/// Axes are named "+x" (or "x"), "-x", ... "-z"; the default leaves coordinates as they are.
 struct MeshFrame {
   std::string forward = "+x";  ///< the file's axis that points forward
   std::string up = "-z";       ///< the file's axis that points up
-  double unit_m = 1;           ///< metres in one unit of the file
+  double unit_m = 1;           ///< metres in one unit of the file, 1e-6 to 1e6
 };
+
+/// Metres in a unit: "m", "cm", "mm", "km", "in", "ft", or a number such as "0.0254". Throws
+/// InputError for anything else.
+double unit_named(const std::string& unit);
 
 /// What cleaning a mesh took away.
 struct CleaningSummary {
@@ -29,12 +33,16 @@ struct LoadedMesh {
   CleaningSummary cleaning;
 };
 
-/// Reads a mesh: .glb and .gltf through tinygltf, all else through Assimp. Coincident vertices are
-/// welded (within 1e-6 of the size), degenerate and duplicate triangles dropped. Normals of the
-/// file are kept; where it has none they are computed with a crease angle of 45 degrees. Each mesh
-/// (in glTF, each primitive) of each node is a part; its albedo is the luminance of the material's
-/// base or diffuse colour. Throws InputError for a missing, unreadable, empty or non-finite mesh,
-/// or a wrong MeshFrame.
+/// Reads a mesh: .glb and .gltf through tinygltf, all else through Assimp, in a child process with
+/// limits on memory and time (see `read_in_child` in scenes/mesh_soup.h for what that asks of the
+/// caller). Coincident vertices are welded (within 1e-6 of the size), degenerate and duplicate
+/// triangles dropped; a triangle given once for each side is a duplicate, since both sides are
+/// drawn. Normals of the file are kept, turned to the side where their triangle is
+/// counter-clockwise; where it has none they are computed with a crease angle of 45 degrees. Each
+/// mesh (in glTF, each primitive) of each node is a part; its albedo is the luminance of the
+/// material's base or diffuse colour. Throws InputError for a missing, unreadable, empty, too large
+/// (1 GiB, 2 000 000 triangles, 65 535 parts) or non-finite mesh, one that its reader crashes on,
+/// and a wrong MeshFrame.
 LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame = {});
 
 /// Writes a .glb with tinygltf, one node and material a part, in glTF's own frame (y up, z

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/occluder.h"
 
+#include <cmath>
+
 #include <CGAL/AABB_traits.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive.h>
@@ -48,6 +50,10 @@ bool Occluder::hides(const Eigen::Vector3d& point_m, const Eigen::Vector3d& eye_
   if (distance_m <= clearance_m) return false;
   const Eigen::Vector3d stop = point_m + to_eye * (clearance_m / distance_m);
   return tree_->tree.do_intersect(Kernel::Segment_3(to_cgal(eye_m), to_cgal(stop)));
+}
+
+double Occluder::distance_m(const Eigen::Vector3d& point_m) const {
+  return std::sqrt(tree_->tree.squared_distance(to_cgal(point_m)));
 }
 
 }  // namespace sightline

@@ -20,6 +20,9 @@ class Occluder {
   bool hides(const Eigen::Vector3d& point_m, const Eigen::Vector3d& eye_m,
              double clearance_m) const;
 
+  /// The distance from a point to the mesh's nearest triangle, metres.
+  double distance_m(const Eigen::Vector3d& point_m) const;
+
  private:
   struct Tree;
   std::shared_ptr<const Tree> tree_;

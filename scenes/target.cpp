@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/target.h"
 
+#include <algorithm>
 #include <set>
 
 #include <Eigen/Geometry>
@@ -14,10 +15,11 @@
 namespace sightline {
 namespace {
 
-constexpr double kOnFeatureM = 1e-4;  // an edge must begin at its feature to this
+constexpr double kOnFeatureM = 1e-4;       // an edge must begin at its feature to this
+constexpr double kOffMeshFraction = 0.01;  // of the size: a virtual corner of rounded edges
 
 MeshFrame read_frame(const TomlTable& table) {
-  const std::vector<std::string> axes = {"+x", "-x", "+y", "-y", "+z", "-z"};
+  const std::vector<std::string> axes = {"+x", "-x", "+y", "-y", "+z", "-z", "x", "y", "z"};
   const MeshFrame defaults;
   return {.forward = table.choice("forward", axes, defaults.forward),
           .up = table.choice("up", axes, defaults.up),
@@ -40,15 +42,18 @@ TargetFeature read_feature(const TomlTable& table) {
   for (int i = 0; i < 2; ++i) {
     feature.edges[i] = {edges[i][0], edges[i][1]};
     if ((edges[i][0] - feature.position_m).norm() > kOnFeatureM) {
-      table.fail("edges_m", fmt::format("edge {} must begin at position_m", i));
+      table.fail("edges_m",
+                 fmt::format("of \"{}\": edge {} must begin at position_m", feature.name, i));
     }
     if ((edges[i][1] - edges[i][0]).norm() < kOnFeatureM) {
-      table.fail("edges_m", fmt::format("edge {} has no length", i));
+      table.fail("edges_m", fmt::format("of \"{}\": edge {} has no length", feature.name, i));
     }
   }
   const Eigen::Vector3d a = (edges[0][1] - edges[0][0]).normalized();
   const Eigen::Vector3d b = (edges[1][1] - edges[1][0]).normalized();
-  if (a.cross(b).norm() < kLeastSine) table.fail("edges_m", "must not be parallel");
+  if (a.cross(b).norm() < kLeastSine) {
+    table.fail("edges_m", fmt::format("of \"{}\" must not be parallel", feature.name));
+  }
   return feature;
 }
 
@@ -62,6 +67,23 @@ std::vector<TargetFeature> read_features(const TomlTable& table) {
     }
   }
   return features;
+}
+
+// A feature lies on the mesh, up to what its clearance allows or kOffMeshFraction of the size.
+void require_on_mesh(const TomlTable& table, const Target& target) {
+  const Bounds box = bounds(target.mesh);
+  const double size_m = (box.max_m - box.min_m).norm();
+  for (size_t i = 0; i < target.features.size(); ++i) {
+    const TargetFeature& feature = target.features[i];
+    const double allowed_m = std::max(feature.clearance_m, kOffMeshFraction * size_m);
+    const double off_m = target.occluder.distance_m(feature.position_m);
+    if (off_m <= allowed_m) continue;
+    table.fail(
+        fmt::format("feature[{}].position_m", i),
+        fmt::format("of \"{}\" lies {:.3g} m off the mesh, may lie at most {:.3g} m off (its "
+                    "clearance_m, or {} % of the target's size)",
+                    feature.name, off_m, allowed_m, 100 * kOffMeshFraction));
+  }
 }
 
 std::shared_ptr<const Target> make_target(std::string name, std::string description,
@@ -110,7 +132,10 @@ std::shared_ptr<const Target> load_target(const std::string& name_or_path, const
   const MeshFrame mesh_frame = read_frame(mesh);
   std::vector<TargetFeature> features = read_features(table);
   table.reject_unknown_keys();
-  return make_target(name, description, read_mesh(mesh_file, mesh_frame), std::move(features));
+  const auto target =
+      make_target(name, description, read_mesh(mesh_file, mesh_frame), std::move(features));
+  require_on_mesh(table, *target);
+  return target;
 }
 
 }  // namespace sightline

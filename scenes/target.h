@@ -61,7 +61,8 @@ std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target
 
 /// Loads a target by name, from a target.toml, or from any mesh file (which has no features;
 /// `frame` is how the mesh's axes lie, a target.toml says it itself). Throws InputError for
-/// whatever is missing, misspelt, out of range or unreadable.
+/// whatever is missing, misspelt, out of range or unreadable, and for a feature farther off the
+/// mesh than its clearance and 1 % of the target's size.
 std::shared_ptr<const Target> load_target(const std::string& name_or_path,
                                           const MeshFrame& frame = {});
 

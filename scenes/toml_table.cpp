@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 #define TOML_EXCEPTIONS 1
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -133,7 +134,11 @@ std::string with_shortest_numbers(const std::string& toml) {
   for (auto match = std::sregex_iterator(toml.begin(), toml.end(), kLongNumber);
        match != std::sregex_iterator(); ++match) {
     out.append(copied, toml.begin() + match->position());
-    out += fmt::format("{}", std::stod(match->str()));
+    double number = 0;
+    const auto end = toml.data() + match->position() + match->length();
+    const auto parsed = std::from_chars(toml.data() + match->position(), end, number);
+    // What no double holds is a piece of a text or a key.
+    out += parsed.ec == std::errc() ? fmt::format("{}", number) : match->str();
     copied = toml.begin() + match->position() + match->length();
   }
   out.append(copied, toml.end());

@@ -17,8 +17,9 @@ namespace {
 constexpr const char* kHeader = R"(# SPDX-FileCopyrightText: 2026 The Sightline authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Written by sightline_build_targets (scenes/builders/): change the builder, not this file.
-# Coordinates are metres in the target's frame: x forward, y starboard, z down.
 )";
+constexpr const char* kConventions =
+    "# Coordinates are metres in the target's frame: x forward, y starboard, z down.\n";
 
 // Metres to the micrometre, the grid of the mesh's vertices; no negative zero.
 double rounded(double value_m) {
@@ -45,7 +46,8 @@ std::string to_toml(const TargetFeature& feature) {
 }
 
 std::string to_toml(const BuiltTarget& target) {
-  std::string text = kHeader;
+  std::string text = target.header.empty() ? kHeader : target.header;
+  text += kConventions;
   text += fmt::format("name = \"{}\"\ndescription = \"{}\"\n", target.name, target.description);
   text += "\n[mesh]\nfile = \"mesh.glb\"\nforward = \"+z\"\nup = \"+y\"\nunit_m = 1.0\n";
   for (const TargetFeature& feature : target.features) text += to_toml(feature);

@@ -19,6 +19,7 @@ struct BuiltTarget {
   std::string description;
   Mesh mesh;
   std::vector<TargetFeature> features;
+  std::string header{};  ///< comment lines that begin target.toml; the builders' own when empty
 };
 
 /// A feature at a corner of the target, with the far ends of the two edges that meet there.

@@ -282,6 +282,49 @@ TEST_F(Program, DescribesAndDrawsATarget) {
   EXPECT_EQ(run("target cube --picture " + path("no/b.png")).exit_code, 1);
 }
 
+TEST_F(Program, ProposesATargetThatAStudyUses) {
+  // A box of 40 m x 20 m x 10 m in millimetres, its second axis up.
+  const auto mesh = folder_.write(
+      "box.off",
+      "OFF\n8 6 12\n0 0 0\n40000 0 0\n40000 10000 0\n0 10000 0\n0 0 20000\n40000 0 20000\n"
+      "40000 10000 20000\n0 10000 20000\n4 0 3 2 1\n4 4 5 6 7\n4 0 1 5 4\n4 2 3 7 6\n"
+      "4 1 2 6 5\n4 0 4 7 3\n");
+  const std::string propose =
+      "target " + mesh.string() + " --unit mm --up y --propose " + path("box");
+  const Outcome outcome = run(propose);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("40.000 x 20.000 x 10.000 m"));
+  EXPECT_GT(fs::file_size(path("box/features.png")), 10000u);
+  const std::string target = read_whole(path("box/target.toml"));
+  EXPECT_THAT(target, HasSubstr("_8\""));  // eight vertices
+
+  const std::string study = read_whole(SIGHTLINE_SOURCE_DIR "/assets/studies/boeing-random.toml");
+  const size_t begin = study.find("\nfeatures = [");
+  const auto file = folder_.write(
+      "box-study.toml", study.substr(0, begin) + study.substr(study.find(']', begin) + 1));
+  const Outcome run_of_it =
+      run("study " + file.string() + " --trials 3 --set target=" + path("box/target.toml") +
+          " --out " + path("run"));
+  EXPECT_EQ(run_of_it.exit_code, 0) << run_of_it.output;
+
+  const Outcome again = run(propose);
+  EXPECT_EQ(again.exit_code, 1);
+  EXPECT_THAT(again.output, HasSubstr("exists already"));
+  EXPECT_EQ(read_whole(path("box/target.toml")), target);
+  EXPECT_EQ(run("target " + mesh.string() + " --unit furlong").exit_code, 1);
+  EXPECT_EQ(run("target cube --unit mm").exit_code, 1);
+  EXPECT_EQ(run("target " + mesh.string() + " --propose " + path("box/x.toml")).exit_code, 1);
+}
+
+TEST_F(Program, AMeshWithNothingToProposeSaysSo) {
+  const auto strip = folder_.write(
+      "strip.obj", "v 0 0 0\nv 1 0 0\nv 0.5 0.001 0\nf 1 2 3\n");  // its corners are too narrow
+  const Outcome outcome = run("target " + strip.string() + " --propose " + path("strip"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.output, HasSubstr("nothing to propose"));
+  EXPECT_FALSE(fs::exists(path("strip")));
+}
+
 TEST_F(Program, AnInterruptLeavesNothing) {
   // SIGINT to the program after a second, while it draws 4000 images in two processes.
   const Outcome outcome =

@@ -61,6 +61,26 @@ TEST_F(TargetFile, ErrorsSayWhatIsWrong) {
   EXPECT_THAT(error_of(head + elsewhere), HasSubstr("must begin at position_m"));
 }
 
+TEST_F(TargetFile, AFeatureOffTheMeshIsRefusedByName) {
+  const std::string head = kHead;
+  const auto corner = [](const std::string& x) {
+    return "[[feature]]\nname = 'tip'\nkind = 'corner'\nposition_m = [" + x + ", 0.5, 0.5]\n";
+  };
+  // 1 % of the size is 0.0173 m.
+  EXPECT_EQ(error_of(head + corner("0.517")), "");
+  EXPECT_THAT(error_of(head + corner("0.518")),
+              testing::AllOf(HasSubstr("feature[0].position_m"), HasSubstr("\"tip\""),
+                             HasSubstr("0.018 m off the mesh")));
+  EXPECT_EQ(error_of(head + corner("0.518") + "clearance_m = 0.02\n"), "");
+  EXPECT_THAT(error_of(head + kVertex + corner("9")), HasSubstr("feature[1]"));
+}
+
+TEST_F(TargetFile, EdgesThatDoNotMeetAreRefusedByName) {
+  std::string apart = kVertex;
+  apart.replace(apart.rfind("[[0.5, 0.5, 0.5]"), 16, "[[0.5, 0.4, 0.5]");
+  EXPECT_THAT(error_of(std::string(kHead) + apart), HasSubstr("\"v\": edge 1"));
+}
+
 TEST_F(TargetFile, AMeshFileIsATargetWithoutFeatures) {
   const auto target = load_target((folder_.path() / "cube.glb").string());
   EXPECT_EQ(target->name, "cube");

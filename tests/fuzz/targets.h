@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string_view>
+
+namespace sightline {
+
+// What libFuzzer throws bytes at, one function a reader of ours: bad bytes must end in an exception
+// that the program turns into one line, and what is accepted must hold together. A target aborts
+// when that fails. To add one: declare it here, define it in targets.cpp, give it a line in
+// CMakeLists.txt and a folder in corpus/.
+
+/// The message a mesh reader's process sends, and the cleaning of its mesh.
+void fuzz_soup(std::string_view bytes);
+
+/// A .glb or .gltf, as its reader's process reads it.
+void fuzz_gltf(std::string_view bytes);
+
+/// A TOML file, through every getter.
+void fuzz_toml(std::string_view bytes);
+
+}  // namespace sightline
