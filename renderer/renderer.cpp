@@ -207,7 +207,9 @@ Frame Renderer::render(const Scene& scene, RandomStream noise) {
   require_imageable(scene);
   Frame frame;
   frame.image = expose(impl_->linear(scene), scene.sensor, noise);
+  Stopwatch watch;
   state_truth(scene, frame);
+  impl_->times.truth_ms += watch.lap();
   return frame;
 }
 

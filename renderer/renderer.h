@@ -23,6 +23,7 @@ struct DrawTimes {
   double draw_ms = 0;      ///< projecting the bodies, and finding what each sample sees
   double readback_ms = 0;  ///< of OpenGL: fetching it
   double resolve_ms = 0;   ///< shading it, and adding up each pixel's samples
+  double truth_ms = 0;     ///< depth, ids and the truth of bodies and features
 };
 
 /// Draws scenes on the processor: no display, no GPU.

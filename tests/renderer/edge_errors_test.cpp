@@ -18,9 +18,9 @@ class EdgeErrorsOf : public testing::TestWithParam<int> {};
 TEST_P(EdgeErrorsOf, StayWithinThePromise) {
   const int samples = GetParam();
   Renderer renderer;
-  const EdgeErrors measured = measure_edge_errors(renderer, samples, samples < 256 ? 30 : 8);
+  const EdgeErrors measured = measure_edge_errors(renderer, samples, samples < 256 ? 25 : 5);
   const EdgeErrors promised = promised_edge_errors(samples);
-  EXPECT_GT(measured.general_count, samples < 256 ? 100 : 20);
+  EXPECT_GT(measured.general_count, samples < 256 ? 100 : 15);
   EXPECT_LT(measured.general_px, promised.general_px);
   EXPECT_LT(measured.axis_px, promised.axis_px);
   EXPECT_LT(measured.vertex_px, promised.vertex_px);

@@ -17,28 +17,10 @@
 #include "renderer/edge_errors.h"
 #include "scenes/builders/cube.h"
 #include "scenes/input_error.h"
+#include "tests/renderer/scenes_for_tests.h"
 
 namespace sightline {
 namespace {
-
-std::shared_ptr<const Target> target_of(Mesh mesh) {
-  Occluder occluder(mesh);
-  return std::make_shared<const Target>(
-      Target{"test", "", std::move(mesh), {}, {}, std::move(occluder)});
-}
-
-// Everything white on black without shading: the image is the share of each pixel that is covered.
-Scene coverage_scene(Mesh mesh, const Pose& cam_from_target, double focal_px = 10000) {
-  for (Part& part : mesh.parts) part.albedo = 1;
-  Scene scene;
-  scene.target = target_of(std::move(mesh));
-  scene.camera = centred_camera(512, 512, focal_px);
-  scene.cam_from_target = cam_from_target;
-  scene.light = {.to_light_in_cam = -Eigen::Vector3d::UnitZ(), .ambient = 1, .directional = 0};
-  scene.background.level = 0;
-  scene.samples_per_pixel = 16;
-  return scene;
-}
 
 // An icosahedron refined and pushed onto the sphere; its facets lie inside by at most the sagitta.
 Mesh sphere_mesh(double radius_m, int refinements) {
@@ -85,10 +67,6 @@ Mesh sphere_mesh(double radius_m, int refinements) {
   for (const auto& face : faces) mesh.triangles.push_back({.vertex = face, .part = 0});
   compute_corner_normals(mesh, std::numbers::pi);
   return mesh;
-}
-
-Pose at(double x, double y, double z, const Eigen::Vector3d& rotation_rad = {0, 0, 0}) {
-  return {rotation_from_vector(rotation_rad), {x, y, z}};
 }
 
 TEST(Renderer, ASpheresDiscHasTheAreaAndCentroidOfItsEllipse) {
