@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "eval/catalogue_lists.h"
+#include "eval/doctor.h"
 #include "eval/interrupt.h"
 #include "eval/run.h"
 #include "eval/table.h"
@@ -51,6 +52,7 @@ struct StudyArguments {
   std::string out;
   int jobs = 1;
   std::string shard;
+  std::string gl = "none";
   bool is_quiet = false;
 };
 
@@ -62,6 +64,7 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
   options.jobs = arguments.jobs;
   options.show_progress = !arguments.is_quiet;
   options.command = command;
+  options.renderer.gl = gl_choice(arguments.gl).value();
   if (!arguments.shard.empty()) {
     const ShardChoice choice =
         read_shard(arguments.shard, [](const char* name) { return std::getenv(name); });
@@ -74,6 +77,14 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
   const RunResult result = run_study(study, options);
   if (!arguments.is_quiet) print_result(study, result, options.out);
   return exit_code_of(result);
+}
+
+// Who draws: our own rasteriser unless OpenGL is asked for.
+void add_gl(CLI::App& sub, std::string& gl) {
+  const auto names = gl_choice_names();
+  sub.add_option("--gl", gl, "Draw with OpenGL, to compare: auto, osmesa or egl (see doctor)")
+      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
+      ->capture_default_str();
 }
 
 void add_study(CLI::App& app, const std::string& command, int& exit_code) {
@@ -96,6 +107,7 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
   sub->add_option("--set", arguments->overrides.set,
                   "key=value over the study's file, for example noise.scale=2; may be repeated")
       ->allow_extra_args(false);
+  add_gl(*sub, arguments->gl);
   sub->add_flag("--quiet", arguments->is_quiet, "No progress and no table");
   sub->callback(
       [arguments, command, &exit_code] { exit_code = run_study_command(*arguments, command); });
@@ -164,6 +176,15 @@ void add_target(CLI::App& app) {
   sub->callback([arguments] { std::cout << report_target(*arguments); });
 }
 
+void add_doctor(CLI::App& app) {
+  auto measures_renderer = std::make_shared<bool>(false);
+  CLI::App* sub = app.add_subcommand(
+      "doctor", "Say what the program stands on: libraries, folders, ways to draw, shards");
+  sub->add_flag("--renderer", *measures_renderer,
+                "Also measure the edges, vertices and time of every number of samples");
+  sub->callback([measures_renderer] { std::cout << doctor(*measures_renderer); });
+}
+
 }  // namespace
 
 void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
@@ -172,6 +193,7 @@ void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_report(app);
   add_list(app);
   add_target(app);
+  add_doctor(app);
 }
 
 }  // namespace sightline

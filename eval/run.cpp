@@ -59,11 +59,12 @@ Meta meta_of(const Study& study, const Shard& shard) {
           {"shard", fmt::format("{}/{}", shard.index, shard.count)}};
 }
 
-// Runs trials of any kind of study. Only images need a graphics context.
+// Runs trials of any kind of study. Only images need a renderer. One is made in the process that
+// uses it: graphics libraries do not survive a fork.
 class TrialRunner {
  public:
-  explicit TrialRunner(const Study& study) : study_(study) {
-    if (study.kind == StudyKind::kImages) renderer_.emplace();
+  TrialRunner(const Study& study, const RendererOptions& renderer) : study_(study) {
+    if (study.kind == StudyKind::kImages) renderer_.emplace(renderer);
   }
 
   TrialRecord run(int64_t index) {
@@ -83,10 +84,11 @@ class TrialRunner {
   std::optional<Renderer> renderer_;
 };
 
-void run_shard(const Study& study, const Shard& shard, Store& store, const Tick& tick) {
+void run_shard(const Study& study, const Shard& shard, const RendererOptions& renderer,
+               Store& store, const Tick& tick) {
   const size_t batch_size =
       study.kind == StudyKind::kImages ? kImagedTrialsATransaction : kOtherTrialsATransaction;
-  TrialRunner runner(study);
+  TrialRunner runner(study, renderer);
   std::vector<TrialRecord> batch;
   for (int64_t index = shard.index; index < study.trial_count(); index += shard.count) {
     stop_if_interrupted();
@@ -112,14 +114,14 @@ void run_jobs(const Study& study, const RunOptions& options, const OutputFolder&
   Progress progress(study.name, share_size, options.show_progress);
   const int jobs = static_cast<int>(std::clamp<int64_t>(share_size, 1, options.jobs));
   if (jobs == 1) {
-    run_shard(study, options.shard, store, [&progress] { progress.advance(1); });
+    run_shard(study, options.shard, options.renderer, store, [&progress] { progress.advance(1); });
     return;
   }
   const auto job_file = [&folder](int job) { return folder / fmt::format("job-{}.sqlite", job); };
   const auto work = [&](int job, const Tick& tick) {
     const Shard share{options.shard.index + options.shard.count * job, options.shard.count * jobs};
     Store job_store = Store::create(job_file(job), meta_of(study, share));
-    run_shard(study, share, job_store, tick);
+    run_shard(study, share, options.renderer, job_store, tick);
   };
   run_in_processes(jobs, work, [&progress](int64_t n) { progress.advance(n); });
   for (int job = 0; job < jobs; ++job) {
@@ -220,7 +222,9 @@ RunResult run_study(const Study& study, const RunOptions& options) {
   run_jobs(study, options, folder, store);
   manifest["jobs"] = fmt::format("{}", options.jobs);
   manifest["shard"] = fmt::format("{}/{}", options.shard.index, options.shard.count);
-  if (study.kind == StudyKind::kImages) manifest["renderer"] = Renderer().description();
+  if (study.kind == StudyKind::kImages) {
+    manifest["renderer"] = Renderer(options.renderer).description();
+  }
 
   const RunResult result = write_results(study, store.trials(), manifest, folder);
   const double wall_s =

@@ -9,6 +9,7 @@
 #include "eval/shard.h"
 #include "eval/study.h"
 #include "eval/summary.h"
+#include "renderer/renderer.h"
 
 namespace sightline {
 
@@ -17,6 +18,7 @@ struct RunOptions {
   int jobs = 1;
   Shard shard;
   bool show_progress = true;
+  RendererOptions renderer;
   std::string command;  ///< as typed, for the manifest
 };
 

@@ -8,8 +8,8 @@
 
 namespace sightline {
 
-// The OpenGL functions the renderer calls: X(type of the pointer, name without gl). All of them,
-// also those of GL 1, come from the context, so that no libGL on the link line can interfere.
+// The OpenGL functions that the painter calls: X(type of the pointer, name without gl). All of
+// them, also those of GL 1, come from the context, so that no libGL on the link line can interfere.
 #define SIGHTLINE_GL_FUNCTIONS(X)                              \
   X(PFNGLATTACHSHADERPROC, AttachShader)                       \
   X(PFNGLBINDBUFFERPROC, BindBuffer)                           \
@@ -31,33 +31,25 @@ namespace sightline {
   X(PFNGLDELETEVERTEXARRAYSPROC, DeleteVertexArrays)           \
   X(PFNGLDEPTHFUNCPROC, DepthFunc)                             \
   X(PFNGLDRAWARRAYSPROC, DrawArrays)                           \
-  X(PFNGLDRAWBUFFERSPROC, DrawBuffers)                         \
   X(PFNGLENABLEPROC, Enable)                                   \
   X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray) \
+  X(PFNGLFINISHPROC, Finish)                                   \
   X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer) \
-  X(PFNGLFRONTFACEPROC, FrontFace)                             \
   X(PFNGLGENBUFFERSPROC, GenBuffers)                           \
   X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                 \
   X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)               \
   X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                 \
   X(PFNGLGETERRORPROC, GetError)                               \
-  X(PFNGLGETINTEGERVPROC, GetIntegerv)                         \
   X(PFNGLGETPROGRAMINFOLOGPROC, GetProgramInfoLog)             \
   X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                       \
   X(PFNGLGETSHADERINFOLOGPROC, GetShaderInfoLog)               \
   X(PFNGLGETSHADERIVPROC, GetShaderiv)                         \
   X(PFNGLGETSTRINGPROC, GetString)                             \
-  X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)           \
   X(PFNGLLINKPROGRAMPROC, LinkProgram)                         \
   X(PFNGLPIXELSTOREIPROC, PixelStorei)                         \
-  X(PFNGLREADBUFFERPROC, ReadBuffer)                           \
   X(PFNGLREADPIXELSPROC, ReadPixels)                           \
   X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)         \
   X(PFNGLSHADERSOURCEPROC, ShaderSource)                       \
-  X(PFNGLUNIFORM1FPROC, Uniform1f)                             \
-  X(PFNGLUNIFORM3FVPROC, Uniform3fv)                           \
-  X(PFNGLUNIFORM4FVPROC, Uniform4fv)                           \
-  X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)               \
   X(PFNGLUSEPROGRAMPROC, UseProgram)                           \
   X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)       \
   X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)         \

@@ -8,19 +8,35 @@
 #include <opencv2/core/mat.hpp>
 
 #include "renderer/frame.h"
+#include "renderer/gl_context.h"
 #include "scenes/scene.h"
 
 namespace sightline {
 
-/// Draws scenes with OpenGL 4.5 core in software (OSMesa): no display, no GPU.
-/// The image is linear (never gamma-encoded: that would move edges), box-filtered from a square
-/// grid of samples; depth and part ids come from their own pass through the pixel centres. The
-/// camera must be free of lens distortion. One renderer belongs to one thread; use processes for
-/// speed.
+struct RendererOptions {
+  /// Who finds what the image's samples see: our own rasteriser, or OpenGL.
+  GlChoice gl = GlChoice::kNone;
+};
+
+/// What drawing cost, milliseconds, summed over all frames of a renderer.
+struct DrawTimes {
+  double draw_ms = 0;      ///< projecting the bodies, and finding what each sample sees
+  double readback_ms = 0;  ///< of OpenGL: fetching it
+  double resolve_ms = 0;   ///< shading it, and adding up each pixel's samples
+  double truth_ms = 0;     ///< depth, ids and the truth of bodies and features
+};
+
+/// Draws scenes on the processor: no display, no GPU.
+///
+/// The image is linear (never gamma-encoded: that would move edges) and box-filtered: each pixel is
+/// the mean of its samples (sample_pattern), where nothing is of its background. A surface that
+/// only turns is shaded once a pixel, at the sample nearest to the pixel's centre; stripes, shadows
+/// and highlights at every sample. Depth, ids and all other truth are those of the pixels' centres
+/// and never depend on how the image is drawn. One renderer belongs to one thread.
 class Renderer {
  public:
-  /// Throws GraphicsError when there is no context to be had.
-  Renderer();
+  /// Throws GraphicsError when OpenGL is asked for and there is no context to be had.
+  explicit Renderer(const RendererOptions& options = {});
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -30,14 +46,17 @@ class Renderer {
   Frame render(const Scene& scene, RandomStream noise);
 
   /// The light on the focal plane before the sensor: CV_32F, 1 is white. Each sample is clipped at
-  /// white, as if the highlights were saturated before the blur.
+  /// white, as if the highlights were saturated before the blur. A moving target is the mean of its
+  /// images along the way.
   cv::Mat render_linear(const Scene& scene);
 
-  /// The part ids alone (CV_16U), for outlines of the target under any pose.
+  /// The main target's part ids (CV_16U) as if it were alone, for its outline under any pose.
   cv::Mat render_part_ids(const Scene& scene);
 
-  /// Driver and version, for a manifest: "Mesa ... llvmpipe ...".
+  /// Who draws, for a manifest: "own rasteriser", or context, driver and version.
   std::string description() const;
+
+  const DrawTimes& times() const;
 
  private:
   struct Impl;

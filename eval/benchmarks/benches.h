@@ -13,5 +13,6 @@ namespace sightline {
 Comparison register_absolute_orientation();
 Comparison register_outlier();
 Comparison register_pnp();
+Comparison register_render();
 
 }  // namespace sightline

@@ -3,15 +3,18 @@
 #include <iostream>
 
 #include <benchmark/benchmark.h>
+#include <opencv2/core.hpp>
 #include <unistd.h>
 
 #include "eval/benchmarks/benches.h"
 
 int main(int argc, char** argv) {
+  cv::setNumThreads(1);  // as in the program
   const std::vector<sightline::Comparison> comparisons = {
       sightline::register_absolute_orientation(),
       sightline::register_pnp(),
       sightline::register_outlier(),
+      sightline::register_render(),
   };
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

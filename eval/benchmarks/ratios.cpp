@@ -15,18 +15,24 @@ using Times = std::map<std::string, double>;
 
 constexpr int kWidth = 12;
 
+std::string prefix_of(const std::string& family, const std::string& method) {
+  return method.empty() ? family + "/" : family + "/" + method + "/";
+}
+
 std::optional<double> time_ns(const Times& best_ns, const std::string& family,
                               const std::string& method, int size) {
-  const auto found = best_ns.find(family + "/" + method + "/" + std::to_string(size));
+  const auto found = best_ns.find(prefix_of(family, method) + std::to_string(size));
   if (found == best_ns.end()) return std::nullopt;
   return found->second;
 }
 
 std::set<int> sizes_of(const Times& best_ns, const Comparison& comparison) {
-  const std::string prefix = comparison.family + "/" + comparison.ours + "/";
+  const std::string prefix = prefix_of(comparison.family, comparison.ours);
   std::set<int> sizes;
   for (const auto& [name, ns] : best_ns) {
-    if (name.starts_with(prefix)) sizes.insert(std::stoi(name.substr(prefix.size())));
+    if (!name.starts_with(prefix)) continue;
+    const std::string size = name.substr(prefix.size());
+    if (size.find('/') == std::string::npos) sizes.insert(std::stoi(size));
   }
   return sizes;
 }
@@ -56,7 +62,8 @@ std::string row(const Times& best_ns, const Comparison& comparison, int size) {
 std::string heading(const Comparison& comparison) {
   std::ostringstream line;
   line << comparison.family << ", CPU time / ns of the fastest repetition, and times ours\n"
-       << std::setw(kWidth) << "size" << std::setw(width_of(comparison.ours)) << comparison.ours;
+       << std::setw(kWidth) << "size" << std::setw(width_of(comparison.ours))
+       << (comparison.ours.empty() ? "ours" : comparison.ours);
   for (const std::string& peer : comparison.peers) {
     const int width = width_of(peer);
     line << std::setw(width) << peer << std::setw(kWidth) << "";

@@ -10,7 +10,8 @@
 
 namespace sightline {
 
-/// What is compared with what in benchmarks named `<family>/<method>/<size>`.
+/// What is compared with what in benchmarks named `<family>/<method>/<size>`; a family whose own
+/// method has no name calls it `<family>/<size>`.
 struct Comparison {
   std::string family;
   std::string ours;                ///< the method that the peers are measured against

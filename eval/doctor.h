@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+
+namespace sightline {
+
+/// What this program stands on, as text for a terminal: its version, libraries and folders, the
+/// ways to OpenGL and who draws by default, and the shard that the environment names. With
+/// `measures_renderer` also how far edges and vertices lie from their places with every number of
+/// samples, beside what is promised, and what a frame costs. Nothing that is missing is an error.
+std::string doctor(bool measures_renderer);
+
+}  // namespace sightline

@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "renderer/screen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <Eigen/LU>
+
+namespace sightline {
+namespace {
+
+constexpr int kMaxCuts = 40;  // of one triangle, in succession: each halves an edge
+
+// The smallest radius at which the lens model folds, within `limit`.
+double fold_radius(const BrownConrady& lens, double limit) {
+  constexpr int kDirections = 64;
+  constexpr int kSteps = 2000;
+  double radius = limit;
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kDirections;
+    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+    for (int step = 1; step <= kSteps; ++step) {
+      const double r = limit * step / kSteps;
+      if (r >= radius) break;
+      if (distortion_jacobian(lens, r * direction).determinant() <= 0) radius = r;
+    }
+  }
+  return radius;
+}
+
+}  // namespace
+
+struct Screen::LensPoint {
+  Eigen::Vector2d normalised;  // without the lens
+  Eigen::Vector2d pixel;       // through it
+  double nearness;
+};
+
+Screen::Screen(const Camera& camera, const PixelBox& canvas, double reference_m)
+    : camera_(camera), canvas_(canvas), reference_m_(reference_m) {
+  if (camera.distortion.is_zero()) return;
+  // Twice what the canvas would show without its lens: models are of no use farther out.
+  const Eigen::Array2d focal(camera.fx_px, camera.fy_px);
+  const Eigen::Array2d centre(camera.cx_px, camera.cy_px);
+  const Eigen::Array2d low(canvas.left - 0.5, canvas.top - 0.5);
+  const Eigen::Array2d high(canvas.right - 0.5, canvas.bottom - 0.5);
+  const Eigen::Array2d reach = ((low - centre) / focal).abs().max(((high - centre) / focal).abs());
+  fold_radius_ = fold_radius(camera.distortion, 2 * reach.matrix().norm());
+  min_normalised_.setConstant(std::numeric_limits<double>::infinity());
+  max_normalised_ = -min_normalised_;
+  constexpr int kStepsPerSide = 64;
+  const auto extend = [&](double x, double y) {
+    const auto seen = normalised_from_pixel(camera_, {x, y});
+    const Eigen::Vector2d all(fold_radius_, fold_radius_);
+    min_normalised_ = min_normalised_.cwiseMin(seen ? *seen : -all);
+    max_normalised_ = max_normalised_.cwiseMax(seen ? *seen : all);
+  };
+  for (int i = 0; i <= kStepsPerSide; ++i) {
+    const Eigen::Array2d at = low + (high - low) * i / kStepsPerSide;
+    extend(at.x(), low.y());
+    extend(at.x(), high.y());
+    extend(low.x(), at.y());
+    extend(high.x(), at.y());
+  }
+  // The border's curve between the steps.
+  const Eigen::Vector2d margin = 0.02 * (max_normalised_ - min_normalised_);
+  min_normalised_ -= margin;
+  max_normalised_ += margin;
+}
+
+Eigen::Vector2d Screen::normalised(const Eigen::Vector2d& pixel) const {
+  const Eigen::Vector2d straight((pixel.x() - camera_.cx_px) / camera_.fx_px,
+                                 (pixel.y() - camera_.cy_px) / camera_.fy_px);
+  if (camera_.distortion.is_zero()) return straight;
+  return normalised_from_pixel(camera_, pixel).value_or(straight);
+}
+
+Screen::LensPoint Screen::through_lens(const Eigen::Vector2d& normalised, double nearness) const {
+  const Eigen::Vector2d bent = distorted(camera_.distortion, normalised);
+  return {normalised,
+          {camera_.fx_px * bent.x() + camera_.cx_px, camera_.fy_px * bent.y() + camera_.cy_px},
+          nearness};
+}
+
+double Screen::chord_error_px(const LensPoint& a, const LensPoint& b) const {
+  // In one order whatever the triangle, so that neighbours agree on where an edge is cut.
+  const bool is_ordered =
+      std::pair(a.normalised.x(), a.normalised.y()) < std::pair(b.normalised.x(), b.normalised.y());
+  const LensPoint& from = is_ordered ? a : b;
+  const LensPoint& to = is_ordered ? b : a;
+  double worst2 = 0;
+  for (const double t : {0.25, 0.5, 0.75}) {
+    const Eigen::Vector2d on_edge = from.normalised + t * (to.normalised - from.normalised);
+    const Eigen::Vector2d on_chord = from.pixel + t * (to.pixel - from.pixel);
+    worst2 = std::max(worst2, (through_lens(on_edge, 0).pixel - on_chord).squaredNorm());
+  }
+  return std::sqrt(worst2);
+}
+
+// NOLINTNEXTLINE(misc-no-recursion): bounded by kMaxCuts.
+void Screen::append_bent(const LensPoint& a, const LensPoint& b, const LensPoint& c, uint32_t id,
+                         int depth, std::vector<ScreenTriangle>& triangles) const {
+  const Eigen::Vector2d low = a.normalised.cwiseMin(b.normalised).cwiseMin(c.normalised);
+  const Eigen::Vector2d high = a.normalised.cwiseMax(b.normalised).cwiseMax(c.normalised);
+  if ((low.array() > max_normalised_.array()).any() ||
+      (high.array() < min_normalised_.array()).any()) {
+    return;
+  }
+  const Eigen::Vector2d nearest = Eigen::Vector2d::Zero().cwiseMax(low).cwiseMin(high);
+  if (nearest.norm() >= fold_radius_) return;
+  const double errors[3] = {chord_error_px(a, b), chord_error_px(b, c), chord_error_px(c, a)};
+  const int worst = static_cast<int>(std::max_element(errors, errors + 3) - errors);
+  if (errors[worst] <= kMaxChordErrorPx || depth == kMaxCuts) {
+    for (const LensPoint* p : {&a, &b, &c}) {
+      if (p->normalised.norm() >= fold_radius_) return;
+    }
+    triangles.push_back({{{a.pixel.x(), a.pixel.y(), a.nearness},
+                          {b.pixel.x(), b.pixel.y(), b.nearness},
+                          {c.pixel.x(), c.pixel.y(), c.nearness}},
+                         id});
+    return;
+  }
+  const LensPoint* p[3] = {&a, &b, &c};
+  const LensPoint& from = *p[worst];
+  const LensPoint& to = *p[(worst + 1) % 3];
+  const LensPoint& opposite = *p[(worst + 2) % 3];
+  // Nearness, 1/z, is linear in normalised coordinates.
+  const LensPoint middle =
+      through_lens((from.normalised + to.normalised) / 2, (from.nearness + to.nearness) / 2);
+  append_bent(from, middle, opposite, id, depth + 1, triangles);
+  append_bent(middle, to, opposite, id, depth + 1, triangles);
+}
+
+void Screen::append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_id,
+                    std::vector<ScreenTriangle>& triangles) const {
+  const bool is_bent = !camera_.distortion.is_zero();
+  std::vector<ScreenPoint> straight(is_bent ? 0 : mesh.vertices.size());
+  std::vector<LensPoint> bent(is_bent ? mesh.vertices.size() : 0);
+  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
+    const Eigen::Vector3d x_in_cam = cam_from_mesh * mesh.vertices[i];
+    const double inverse_z = 1 / x_in_cam.z();
+    const double nearness = reference_m_ * inverse_z - 1;
+    if (is_bent) {
+      bent[i] = through_lens(x_in_cam.head<2>() * inverse_z, nearness);
+    } else {
+      straight[i] = {camera_.fx_px * x_in_cam.x() * inverse_z + camera_.cx_px,
+                     camera_.fy_px * x_in_cam.y() * inverse_z + camera_.cy_px, nearness};
+    }
+  }
+  uint32_t id = first_id;
+  for (const Triangle& triangle : mesh.triangles) {
+    const auto [a, b, c] = triangle.vertex;
+    if (is_bent) {
+      append_bent(bent[a], bent[b], bent[c], id, 0, triangles);
+    } else {
+      triangles.push_back({{straight[a], straight[b], straight[c]}, id});
+    }
+    ++id;
+  }
+}
+
+}  // namespace sightline

@@ -1,0 +1,55 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pose/camera.h"
+#include "pose/pose.h"
+#include "renderer/visibility.h"
+#include "scenes/mesh.h"
+
+namespace sightline {
+
+/// A curved edge is drawn as chords that leave it by less than this, px.
+constexpr double kMaxChordErrorPx = 5e-4;
+
+/// Puts meshes on the image plane of a camera, through its lens.
+///
+/// A lens bends straight edges: triangles are cut until the chords of their edges leave the true
+/// curves by less than kMaxChordErrorPx (their insides by 4/3 of that), each vertex distorted in
+/// double precision. What lies beyond the fold of the lens model, where two rays would fall on one
+/// pixel, is not drawn.
+class Screen {
+ public:
+  /// `canvas`: the pixels to be drawn, which may reach beyond the image's. `reference_m`: a depth
+  /// about which nearness is resolved best.
+  Screen(const Camera& camera, const PixelBox& canvas, double reference_m);
+
+  const PixelBox& canvas() const { return canvas_; }
+
+  /// Appends the mesh's triangles, which must lie in front of the camera; triangle i gets the id
+  /// first_id + i, all its pieces alike.
+  void append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_id,
+              std::vector<ScreenTriangle>& triangles) const;
+
+  /// (x/z, y/z) of the ray that a point of the canvas sees.
+  /// Where the lens cannot be undone, that of the nearest approach known: the pixel without lens.
+  Eigen::Vector2d normalised(const Eigen::Vector2d& pixel) const;
+
+ private:
+  struct LensPoint;
+  LensPoint through_lens(const Eigen::Vector2d& normalised, double nearness) const;
+  double chord_error_px(const LensPoint& a, const LensPoint& b) const;
+  void append_bent(const LensPoint& a, const LensPoint& b, const LensPoint& c, uint32_t id,
+                   int depth, std::vector<ScreenTriangle>& triangles) const;
+
+  Camera camera_;
+  PixelBox canvas_;
+  double reference_m_;
+  double fold_radius_ = 0;                           // of the lens model, normalised
+  Eigen::Vector2d min_normalised_, max_normalised_;  // of what the canvas sees
+};
+
+}  // namespace sightline

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "renderer/frame.h"
+#include "renderer/shading.h"
+#include "scenes/scene.h"
+
+namespace sightline {
+
+/// The bodies of a scene, its main target first. `cam_from_target` is that one's pose, which in
+/// motion is not the scene's.
+std::vector<PlacedBody> placed_bodies(const Scene& scene, const Pose& cam_from_target);
+
+/// Index of the body that an id (not 0) belongs to.
+size_t body_of(const std::vector<PlacedBody>& bodies, uint32_t id);
+
+/// Depth, ids and the truth of every body, at mid-exposure. Ids are those of the pixels' centres,
+/// found in double precision; a depth is where the centre's ray meets the triangle of its id.
+/// Fills all of the frame but its image.
+void state_truth(const Scene& scene, Frame& frame);
+
+/// Part ids (CV_16U, index plus one) of the main target as if it were alone.
+cv::Mat part_ids_alone(const Scene& scene);
+
+}  // namespace sightline

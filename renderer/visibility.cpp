@@ -1,0 +1,270 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "renderer/visibility.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "pose/kernels/multiversion.h"
+
+namespace sightline {
+namespace {
+
+// What a second-level cache holds beside the triangles.
+constexpr size_t kStripBytes = 256 * 1024;
+
+// A triangle ready to be sampled.
+struct FlatTriangle {
+  double a[3], b[3], c[3];  // a x + b y + c >= 0 on the inside of each edge
+  double nearness_x, nearness_y, nearness_0;
+  int left, right, top, bottom;  // the pixels it can touch, all inclusive
+  uint32_t id;
+};
+
+// The pixels of one row, from `lo` to `hi`, that a triangle can touch.
+struct Span {
+  int lo, hi;
+};
+
+// The samples of a pixel lie within half a pixel of its centre: an edge function falls by at most
+// (|a| + |b|) / 2 towards them.
+inline Span span_of_row(const FlatTriangle& t, const double* row, const double* reach,
+                        const double* inverse_a) {
+  double lo = t.left;
+  double hi = t.right;
+  for (int i = 0; i < 3; ++i) {
+    const double rest = row[i] + reach[i];
+    if (t.a[i] > 0) {
+      lo = std::max(lo, -rest * inverse_a[i]);
+    } else if (t.a[i] < 0) {
+      hi = std::min(hi, -rest * inverse_a[i]);
+    } else if (rest < 0) {
+      return {0, -1};
+    }
+  }
+  if (!(lo <= hi)) return {0, -1};
+  return {static_cast<int>(std::ceil(lo)), static_cast<int>(std::floor(hi))};
+}
+
+template <int N>
+inline void clear(float* nearness, uint32_t* ids) {
+  for (int k = 0; k < N; ++k) {
+    nearness[k] = -std::numeric_limits<float>::max();
+    ids[k] = 0;
+  }
+}
+
+template <int N>
+inline void paint_triangle(const FlatTriangle& t, const float* x_offset, const float* y_offset,
+                           const PixelBox& box, float* nearness, uint32_t* ids,
+                           uint8_t* is_touched) {
+  alignas(64) float edge0[N], edge1[N], edge2[N], depth[N];
+  const float a0 = static_cast<float>(t.a[0]), b0 = static_cast<float>(t.b[0]);
+  const float a1 = static_cast<float>(t.a[1]), b1 = static_cast<float>(t.b[1]);
+  const float a2 = static_cast<float>(t.a[2]), b2 = static_cast<float>(t.b[2]);
+  const float zx = static_cast<float>(t.nearness_x), zy = static_cast<float>(t.nearness_y);
+  for (int k = 0; k < N; ++k) {
+    edge0[k] = a0 * x_offset[k] + b0 * y_offset[k];
+    edge1[k] = a1 * x_offset[k] + b1 * y_offset[k];
+    edge2[k] = a2 * x_offset[k] + b2 * y_offset[k];
+    depth[k] = zx * x_offset[k] + zy * y_offset[k];
+  }
+  const uint32_t id = t.id;
+  double reach[3], inverse_a[3];
+  for (int i = 0; i < 3; ++i) {
+    reach[i] = 0.5 * (std::abs(t.a[i]) + std::abs(t.b[i]));
+    inverse_a[i] = t.a[i] == 0 ? 0 : 1 / t.a[i];
+  }
+  const int bottom = std::min(t.bottom, box.bottom - 1);
+  for (int y = std::max(t.top, box.top); y <= bottom; ++y) {
+    double row[3];
+    for (int i = 0; i < 3; ++i) row[i] = t.b[i] * y + t.c[i];
+    const double depth_row = t.nearness_y * y + t.nearness_0;
+    const Span span = span_of_row(t, row, reach, inverse_a);
+    size_t at = static_cast<size_t>(y - box.top) * (box.right - box.left) + (span.lo - box.left);
+    for (int x = span.lo; x <= span.hi; ++x, ++at) {
+      float* __restrict near_at = nearness + at * N;
+      uint32_t* __restrict ids_at = ids + at * N;
+      if (!is_touched[at]) {
+        is_touched[at] = 1;
+        clear<N>(near_at, ids_at);
+      }
+      const float e0 = static_cast<float>(t.a[0] * x + row[0]);
+      const float e1 = static_cast<float>(t.a[1] * x + row[1]);
+      const float e2 = static_cast<float>(t.a[2] * x + row[2]);
+      const float z = static_cast<float>(t.nearness_x * x + depth_row);
+#pragma GCC ivdep
+#pragma GCC unroll 1
+      for (int k = 0; k < N; ++k) {
+        const float inside = std::min(std::min(e0 + edge0[k], e1 + edge1[k]), e2 + edge2[k]);
+        const float near_k = z + depth[k];
+        const bool is_nearest = (inside >= 0) & (near_k > near_at[k]);
+        near_at[k] = is_nearest ? near_k : near_at[k];
+        ids_at[k] = is_nearest ? id : ids_at[k];
+      }
+    }
+  }
+}
+
+template <int N>
+inline void paint_all(const FlatTriangle* triangles, const int* order, size_t count,
+                      const float* x_offset, const float* y_offset, const PixelBox& box,
+                      float* nearness, uint32_t* ids, uint8_t* is_touched) {
+  for (size_t i = 0; i < count; ++i) {
+    paint_triangle<N>(triangles[order[i]], x_offset, y_offset, box, nearness, ids, is_touched);
+  }
+}
+
+SIGHTLINE_MULTIVERSION
+void paint(int samples, const FlatTriangle* triangles, const int* order, size_t count,
+           const float* x_offset, const float* y_offset, const PixelBox& box, float* nearness,
+           uint32_t* ids, uint8_t* is_touched) {
+  switch (samples) {
+    case 1:
+      return paint_all<1>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+                          is_touched);
+    case 4:
+      return paint_all<4>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+                          is_touched);
+    case 8:
+      return paint_all<8>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+                          is_touched);
+    case 16:
+      return paint_all<16>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+                           is_touched);
+    case 32:
+      return paint_all<32>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+                           is_touched);
+    case 64:
+      return paint_all<64>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+                           is_touched);
+    default:
+      return paint_all<256>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+                            is_touched);
+  }
+}
+
+// Appends the triangle unless it covers nothing of the box.
+void append_flat(const ScreenTriangle& triangle, const PixelBox& box,
+                 std::vector<FlatTriangle>& triangles) {
+  const auto& [p, q, r] = triangle.corners;
+  const double area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+  if (area == 0) return;
+  const PixelBox touched = touched_box({&triangle, 1}, box);
+  if (touched.is_empty()) return;
+  FlatTriangle t;
+  t.left = touched.left;
+  t.top = touched.top;
+  t.right = touched.right - 1;
+  t.bottom = touched.bottom - 1;
+  const double sign = area > 0 ? 1 : -1;
+  const auto set_edge = [&](int i, const ScreenPoint& from, const ScreenPoint& to) {
+    t.a[i] = sign * (from.y - to.y);
+    t.b[i] = sign * (to.x - from.x);
+    t.c[i] = sign * (from.x * to.y - to.x * from.y);
+  };
+  set_edge(0, p, q);
+  set_edge(1, q, r);
+  set_edge(2, r, p);
+  const double to_q = (q.nearness - p.nearness) / area;
+  const double to_r = (r.nearness - p.nearness) / area;
+  t.nearness_x = to_q * (r.y - p.y) - to_r * (q.y - p.y);
+  t.nearness_y = to_r * (q.x - p.x) - to_q * (r.x - p.x);
+  t.nearness_0 = p.nearness - t.nearness_x * p.x - t.nearness_y * p.y;
+  t.id = triangle.id;
+  triangles.push_back(t);
+}
+
+class OwnPainter : public SamplePainter {
+ public:
+  void start(std::span<const ScreenTriangle> triangles, const PixelBox& box,
+             const SamplePattern& pattern) override {
+    box_ = box;
+    pattern_ = &pattern;
+    next_ = 0;
+    begin_.clear();
+    if (box.is_empty()) return;
+    triangles_.clear();
+    for (const ScreenTriangle& triangle : triangles) append_flat(triangle, box, triangles_);
+    const size_t row_bytes =
+        static_cast<size_t>(box.width()) * pattern.count * (sizeof(float) + sizeof(uint32_t));
+    rows_ = static_cast<int>(std::clamp<size_t>(kStripBytes / row_bytes, 1, box.height()));
+    sort_into_strips();
+  }
+
+  bool next(VisibleStrip& strip) override {
+    if (next_ + 1 >= static_cast<int>(begin_.size())) return false;
+    strip.box = box_;
+    strip.box.top = box_.top + next_ * rows_;
+    strip.box.bottom = std::min(strip.box.top + rows_, box_.bottom);
+    const size_t pixels = static_cast<size_t>(strip.box.width()) * strip.box.height();
+    strip.is_touched.assign(pixels, 0);
+    strip.ids.resize(std::max(strip.ids.size(), pixels * pattern_->count));
+    strip.nearness.resize(std::max(strip.nearness.size(), pixels * pattern_->count));
+    paint(pattern_->count, triangles_.data(), order_.data() + begin_[next_],
+          begin_[next_ + 1] - begin_[next_], pattern_->x.data(), pattern_->y.data(), strip.box,
+          strip.nearness.data(), strip.ids.data(), strip.is_touched.data());
+    ++next_;
+    return true;
+  }
+
+  std::string description() const override { return "own rasteriser"; }
+
+ private:
+  // A counting sort; a triangle is in every strip that it touches.
+  void sort_into_strips() {
+    const int strips = (box_.height() + rows_ - 1) / rows_;
+    const auto first_strip = [&](const FlatTriangle& t) { return (t.top - box_.top) / rows_; };
+    const auto last_strip = [&](const FlatTriangle& t) { return (t.bottom - box_.top) / rows_; };
+    begin_.assign(strips + 1, 0);
+    for (const FlatTriangle& t : triangles_) {
+      for (int s = first_strip(t); s <= last_strip(t); ++s) ++begin_[s + 1];
+    }
+    for (int s = 0; s < strips; ++s) begin_[s + 1] += begin_[s];
+    order_.resize(begin_.back());
+    std::vector<int> fill(begin_.begin(), begin_.end() - 1);
+    for (size_t i = 0; i < triangles_.size(); ++i) {
+      const int last = last_strip(triangles_[i]);
+      for (int s = first_strip(triangles_[i]); s <= last; ++s) {
+        order_[fill[s]++] = static_cast<int>(i);
+      }
+    }
+  }
+
+  std::vector<FlatTriangle> triangles_;
+  PixelBox box_;
+  const SamplePattern* pattern_ = nullptr;
+  int rows_ = 1;
+  int next_ = 0;
+  std::vector<int> begin_;  // of each strip's triangles in order_, and the end
+  std::vector<int> order_;
+};
+
+}  // namespace
+
+PixelBox touched_box(std::span<const ScreenTriangle> triangles, const PixelBox& box) {
+  double left = box.right, top = box.bottom, right = box.left - 1.0, bottom = box.top - 1.0;
+  for (const ScreenTriangle& triangle : triangles) {
+    const auto& [p, q, r] = triangle.corners;
+    left = std::min({left, p.x, q.x, r.x});
+    right = std::max({right, p.x, q.x, r.x});
+    top = std::min({top, p.y, q.y, r.y});
+    bottom = std::max({bottom, p.y, q.y, r.y});
+  }
+  // Pixel x reaches from x - 0.5 to x + 0.5. Cut before the cast: far points exceed an int.
+  const auto first = [](double x, int low, int high) {
+    return static_cast<int>(std::ceil(std::clamp<double>(x - 0.5, low, high)));
+  };
+  const auto end = [](double x, int low, int high) {
+    return static_cast<int>(std::floor(std::clamp<double>(x + 0.5, low - 1.0, high - 1.0))) + 1;
+  };
+  return {first(left, box.left, box.right), first(top, box.top, box.bottom),
+          end(right, box.left, box.right), end(bottom, box.top, box.bottom)};
+}
+
+std::unique_ptr<SamplePainter> make_own_painter() {
+  return std::make_unique<OwnPainter>();
+}
+
+}  // namespace sightline
