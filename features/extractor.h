@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -30,10 +31,43 @@ struct CornerOptions {
   int block_px = 5;               ///< the window of the structure tensor
 };
 
+/// Of the extractors that search for a predicted outline along its normals.
+struct SearchOptions {
+  /// How far from the prediction: so many standard deviations of it and a margin, but no more than
+  /// `max_half_px`, beyond which other edges are more likely to be met than the right one.
+  double sigmas = 2.5;
+  double margin_px = 1.5;
+  double max_half_px = 20;
+  double reach_px = 36;          ///< how far along its edges from a line intersection
+  double outline_reach_px = 30;  ///< how far along the outline from a contour feature
+  double max_slope = 0.15;       ///< of a line against its prediction
+  double turn_sd_rad = 0.05;     ///< of an outline against its prediction
+  double noise_sd_grey = 3;      ///< of the image, grey levels of 255, as far as it is known
+  double threshold_noises = 5;   ///< an edge's gradient is at least this many times its noise
+  double min_contrast_grey = 8;  ///< of the target with the background, to tell them apart by
+  /// Where the prior is good: nothing farther than this from its prediction is found.
+  std::optional<double> within_px;
+};
+
 struct ExtractorOptions {
   int window_half_px = 24;  ///< windows are squares of 2 h + 1 pixels around the prediction
   LineOptions line;
   CornerOptions corner;
+  SearchOptions search;
+};
+
+/// The same for another look around a pose that is known to about a pixel: nothing farther than
+/// `within_px` from its prediction is found, along longer edges that hardly turn.
+ExtractorOptions narrowed(const ExtractorOptions& options, double within_px);
+
+/// All that an extractor is told of one feature. It never sees the truth.
+struct ExtractionInput {
+  const cv::Mat& image;  ///< CV_8U
+  const PredictedView& view;
+  const FeaturePrediction& prediction;
+  const ExtractorOptions& options;
+  /// The median grey level around the target; none where the target fills the image.
+  std::optional<double> background_grey;
 };
 
 /// One way to find a feature in an image near its prediction. To add one: write
@@ -42,10 +76,14 @@ struct ExtractorOptions {
 struct FeatureExtractor {
   std::string_view name;
   std::string_view summary;
-  FeatureKind kind;  ///< of the features it finds
-  /// `image` is CV_8U; the window lies inside it. Fills status, pixel, covariance and evidence.
-  void (*extract)(const cv::Mat& image, const FeaturePrediction& prediction,
-                  const ExtractorOptions& options, Observation& observation);
+  bool needs_edges;  ///< finds line intersections alone; otherwise features of any kind
+  /// The observation's window lies inside the image and is not empty. Fills status, pixel,
+  /// covariance and evidence.
+  void (*extract)(const ExtractionInput& input, Observation& observation);
+
+  bool finds(FeatureKind kind) const {
+    return !needs_edges || kind == FeatureKind::kLineIntersection;
+  }
 };
 
 /// The catalogue, in the order in which it is listed.
@@ -58,14 +96,16 @@ const FeatureExtractor* find_feature_extractor(std::string_view name);
 struct ExtractorChoice {
   const FeatureExtractor* line_intersection = nullptr;
   const FeatureExtractor* corner = nullptr;
+  const FeatureExtractor* contour = nullptr;
+
+  const FeatureExtractor& of(FeatureKind kind) const;
 };
 
-/// One observation a prediction, in its order: features predicted hidden or outside the image are
-/// missing observations with that reason; the others are looked for in windows around the
+/// One observation a predicted feature, in their order: features predicted hidden or outside the
+/// image are missing observations with that reason; the others are looked for in windows around the
 /// predictions. The image is CV_8U or CV_16U (then scaled by its greatest possible value `white`).
 std::vector<Observation> extract_features(const cv::Mat& image, double white,
-                                          std::span<const FeaturePrediction> predictions,
-                                          const ExtractorChoice& choice,
+                                          const PredictedView& view, const ExtractorChoice& choice,
                                           const ExtractorOptions& options);
 
 }  // namespace sightline

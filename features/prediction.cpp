@@ -3,6 +3,7 @@
 #include "features/prediction.h"
 
 #include <cmath>
+#include <numbers>
 
 namespace sightline {
 namespace {
@@ -18,12 +19,31 @@ Eigen::Vector2d image_direction(const Camera& camera, const Pose& cam_from_targe
   return direction.norm() > 0 ? Eigen::Vector2d(direction.normalized()) : Eigen::Vector2d::UnitX();
 }
 
+// What draw_prior's errors make of a pixel, to first order and for a target whose depth is small
+// against its distance.
+Eigen::Matrix2d pixel_covariance_px2(const Camera& camera, const Pose& cam_from_target,
+                                     const Eigen::Vector3d& position_m, const PriorError& error) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const Eigen::Vector3d arm_m = cam_from_target.rotation * position_m;
+  const double z_m = cam_from_target.translation.z() + arm_m.z();
+  const Eigen::Vector3d arm_px = arm_m.cwiseProduct(
+      Eigen::Vector3d(camera.fx_px, camera.fy_px, (camera.fx_px + camera.fy_px) / 2) / z_m);
+  const Eigen::Vector2d in_image = arm_px.head<2>();
+  const Eigen::Vector2d across(in_image.y(), -in_image.x());
+  const double angle = error.attitude_deg * kDegree;
+  const double lateral = error.lateral_px;
+  return angle * angle *
+             (arm_px.z() * arm_px.z() * Eigen::Matrix2d::Identity() + across * across.transpose()) +
+         error.range_fraction * error.range_fraction * in_image * in_image.transpose() +
+         lateral * lateral * Eigen::Matrix2d::Identity();
+}
+
 }  // namespace
 
-std::vector<FeaturePrediction> predict_features(const Target& target, std::span<const int> features,
-                                                const Camera& camera,
-                                                const Pose& prior_cam_from_target) {
-  std::vector<FeaturePrediction> predictions;
+PredictedView predict_features(const Target& target, std::span<const int> features,
+                               const Camera& camera, const Pose& prior_cam_from_target,
+                               const PriorError& error) {
+  PredictedView view{&target, camera, prior_cam_from_target, {}};
   for (const int index : features) {
     const TargetFeature& feature = target.features[index];
     FeaturePrediction prediction;
@@ -33,6 +53,8 @@ std::vector<FeaturePrediction> predict_features(const Target& target, std::span<
     prediction.is_in_front = pixel.has_value();
     if (pixel) {
       prediction.pixel = *pixel;
+      prediction.covariance_px2 =
+          pixel_covariance_px2(camera, prior_cam_from_target, feature.position_m, error);
       prediction.is_hidden = is_self_hidden(target, feature, prior_cam_from_target);
       if (feature.kind == FeatureKind::kLineIntersection) {
         for (int i = 0; i < 2; ++i) {
@@ -41,9 +63,9 @@ std::vector<FeaturePrediction> predict_features(const Target& target, std::span<
         }
       }
     }
-    predictions.push_back(prediction);
+    view.features.push_back(prediction);
   }
-  return predictions;
+  return view;
 }
 
 cv::Rect window_around(const Eigen::Vector2d& pixel, int half_px, const cv::Size& image) {

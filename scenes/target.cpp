@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/target.h"
 
+#include <algorithm>
 #include <set>
 
 #include <Eigen/Geometry>
@@ -24,17 +25,28 @@ MeshFrame read_frame(const TomlTable& table) {
           .unit_m = table.number("unit_m", {1e-6, 1e6}, defaults.unit_m)};
 }
 
+FeatureKind read_kind(const TomlTable& table) {
+  std::vector<std::string> names;
+  for (const FeatureKind kind : kFeatureKinds) names.emplace_back(to_string(kind));
+  const std::string given = table.choice("kind", names);
+  return *std::find_if(kFeatureKinds.begin(), kFeatureKinds.end(),
+                       [&](FeatureKind kind) { return to_string(kind) == given; });
+}
+
 TargetFeature read_feature(const TomlTable& table) {
   TargetFeature feature;
   feature.name = table.text("name");
   if (feature.name.empty()) table.fail("name", "is empty");
-  const std::vector<std::string> kinds = {std::string(to_string(FeatureKind::kLineIntersection)),
-                                          std::string(to_string(FeatureKind::kCorner))};
-  const bool has_edges = table.choice("kind", kinds) == kinds[0];
-  feature.kind = has_edges ? FeatureKind::kLineIntersection : FeatureKind::kCorner;
+  feature.kind = read_kind(table);
   feature.position_m = table.vector3("position_m");
   feature.clearance_m = table.number("clearance_m", {0, 1e6}, feature.clearance_m);
-  if (!has_edges) return feature;
+  feature.parts = table.texts("parts", std::vector<std::string>{});
+  feature.reach_m = table.number("reach_m", {1e-6, 1e6}, feature.reach_m);
+  if (feature.kind == FeatureKind::kContour && feature.parts.empty()) {
+    table.fail("parts", fmt::format("of \"{}\" must name the parts whose outline it is known by",
+                                    feature.name));
+  }
+  if (feature.kind != FeatureKind::kLineIntersection) return feature;
   const auto edges = table.point_lists("edges_m", 2, 2);
   constexpr double kLeastSine = 0.01;  // half a degree: less is one edge, not two
   for (int i = 0; i < 2; ++i) {
@@ -64,19 +76,28 @@ std::vector<TargetFeature> read_features(const TomlTable& table) {
   return features;
 }
 
+void check_parts(const TomlTable& table, const Mesh& mesh) {
+  std::vector<std::string> known;
+  for (const Part& part : mesh.parts) known.push_back(part.name);
+  for (const TomlTable& entry : table.tables("feature")) {
+    for (const std::string& name : entry.texts("parts", std::vector<std::string>{})) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      entry.fail("parts", fmt::format("of \"{}\" holds \"{}\", which the mesh does not have{}",
+                                      entry.text("name"), name, suggestion(name, known)));
+    }
+  }
+}
+
 std::shared_ptr<const Target> make_target(std::string name, std::string description,
                                           LoadedMesh loaded, std::vector<TargetFeature> features) {
   Occluder occluder(loaded.mesh);
-  return std::make_shared<const Target>(Target{std::move(name), std::move(description),
-                                               std::move(loaded.mesh), loaded.cleaning,
-                                               std::move(features), std::move(occluder)});
+  std::vector<FeatureShape> shapes = feature_shapes(loaded.mesh, features);
+  return std::make_shared<const Target>(
+      Target{std::move(name), std::move(description), std::move(loaded.mesh), loaded.cleaning,
+             std::move(features), std::move(occluder), std::move(shapes)});
 }
 
 }  // namespace
-
-std::string_view to_string(FeatureKind kind) {
-  return kind == FeatureKind::kCorner ? "corner" : "line_intersection";
-}
 
 bool is_self_hidden(const Target& target, const TargetFeature& feature,
                     const Pose& cam_from_target) {
@@ -97,7 +118,9 @@ std::shared_ptr<const Target> load_target(const std::string& name_or_path, const
   const MeshFrame mesh_frame = read_frame(mesh);
   std::vector<TargetFeature> features = read_features(table);
   table.reject_unknown_keys();
-  return make_target(name, description, read_mesh(mesh_file, mesh_frame), std::move(features));
+  LoadedMesh loaded = read_mesh(mesh_file, mesh_frame);
+  check_parts(table, loaded.mesh);
+  return make_target(name, description, std::move(loaded), std::move(features));
 }
 
 }  // namespace sightline

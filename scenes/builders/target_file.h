@@ -25,10 +25,11 @@ struct BuiltTarget {
 TargetFeature line_intersection(std::string name, const Eigen::Vector3d& corner,
                                 const Eigen::Vector3d& end_a, const Eigen::Vector3d& end_b);
 
-/// A feature without straight edges, on a surface so round that it may hide the feature itself from
-/// `clearance_m` away.
-TargetFeature corner_feature(std::string name, const Eigen::Vector3d& position_m,
-                             double clearance_m);
+/// A feature without straight edges: the rounded outline of these parts within `reach_m` of it
+/// tells where it is, and their surface may hide it from `clearance_m` away.
+TargetFeature outlined_feature(std::string name, FeatureKind kind,
+                               const Eigen::Vector3d& position_m, double clearance_m,
+                               std::vector<std::string> parts, double reach_m);
 
 /// Writes mesh.glb and target.toml into the folder, which is made if need be. The same target gives
 /// the same bytes. Throws InputError when a file cannot be written.
