@@ -78,6 +78,12 @@ ObservationStatus why_not_look(const cv::Mat& window) {
   return least == kWhite ? ObservationStatus::kSaturated : ObservationStatus::kEmptyWindow;
 }
 
+bool is_within_search(const ExtractionInput& input, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d off = pixel - input.prediction.pixel;
+  const double distance_px = off.norm();
+  return distance_px == 0 || distance_px <= search_half_px(input, off / distance_px);
+}
+
 Observation observe(const cv::Mat& image, const PredictedView& view,
                     const FeaturePrediction& prediction, const FeatureExtractor& extractor,
                     const ExtractorOptions& options, std::optional<double> background_grey) {
@@ -94,11 +100,10 @@ Observation observe(const cv::Mat& image, const PredictedView& view,
   } else {
     observation.status = why_not_look(image(observation.window));
     if (observation.status != ObservationStatus::kFound) return observation;
-    extractor.extract({image, view, prediction, options, background_grey}, observation);
-    const double within_px =
-        options.search.within_px.value_or(std::numeric_limits<double>::infinity());
-    if (observation.status == ObservationStatus::kFound &&
-        !((observation.pixel - prediction.pixel).norm() <= within_px)) {
+    const ExtractionInput input{image, view, prediction, options, background_grey};
+    extractor.extract(input, observation);
+    if (options.is_gated && observation.status == ObservationStatus::kFound &&
+        !is_within_search(input, observation.pixel)) {
       observation.status = ObservationStatus::kOutsideWindow;
     }
   }
@@ -107,13 +112,11 @@ Observation observe(const cv::Mat& image, const PredictedView& view,
 
 }  // namespace
 
-ExtractorOptions narrowed(const ExtractorOptions& options, double within_px) {
-  ExtractorOptions narrow = options;
-  narrow.search.within_px = within_px;
-  narrow.search.reach_px = 60;
-  narrow.search.max_slope = 0.05;
-  narrow.search.turn_sd_rad = 0;
-  return narrow;
+double search_half_px(const ExtractionInput& input, const Eigen::Vector2d& direction) {
+  const SearchOptions& options = input.options.search;
+  const double variance = direction.dot(input.prediction.covariance_px2 * direction);
+  return std::clamp(options.sigmas * std::sqrt(variance) + options.margin_px, options.least_half_px,
+                    options.most_half_px);
 }
 
 std::span<const FeatureExtractor> feature_extractors() {

@@ -33,32 +33,34 @@ struct CornerOptions {
 
 /// Of the extractors that search for a predicted outline along its normals.
 struct SearchOptions {
-  /// How far from the prediction: so many standard deviations of it and a margin, but no more than
-  /// `max_half_px`, beyond which other edges are more likely to be met than the right one.
+  /// How far from the prediction: so many standard deviations of it and a margin, within limits;
+  /// beyond the upper one other edges are more likely to be met than the right one.
   double sigmas = 2.5;
   double margin_px = 1.5;
-  double max_half_px = 20;
-  double reach_px = 36;          ///< how far along its edges from a line intersection
-  double outline_reach_px = 30;  ///< how far along the outline from a contour feature
-  double max_slope = 0.15;       ///< of a line against its prediction
-  double turn_sd_rad = 0.05;     ///< of an outline against its prediction
+  double least_half_px = 4;
+  double most_half_px = 20;
+  /// Where that is no more than this, the prior is good: edges are followed farther and turn less.
+  double good_half_px = 5;
+  double reach_px = 36;  ///< how far along its edges from a line intersection
+  double good_reach_px = 60;
+  double max_slope = 0.15;  ///< of a line against its prediction
+  double good_max_slope = 0.05;
+  double outline_reach_px = 30;  ///< how far along the outline from a feature
+  double turn_sd_rad = 0.05;     ///< of an outline against its prediction; none for a good prior
   double noise_sd_grey = 3;      ///< of the image, grey levels of 255, as far as it is known
   double threshold_noises = 5;   ///< an edge's gradient is at least this many times its noise
-  double min_contrast_grey = 8;  ///< of the target with the background, to tell them apart by
-  /// Where the prior is good: nothing farther than this from its prediction is found.
-  std::optional<double> within_px;
+  double min_contrast_grey = 8;  ///< of target and background, to tell the sides of an edge by
 };
 
 struct ExtractorOptions {
   int window_half_px = 24;  ///< windows are squares of 2 h + 1 pixels around the prediction
+  /// The prior has already been improved from this image: what lies outside the search around its
+  /// prediction is not the feature.
+  bool is_gated = false;
   LineOptions line;
   CornerOptions corner;
   SearchOptions search;
 };
-
-/// The same for another look around a pose that is known to about a pixel: nothing farther than
-/// `within_px` from its prediction is found, along longer edges that hardly turn.
-ExtractorOptions narrowed(const ExtractorOptions& options, double within_px);
 
 /// All that an extractor is told of one feature. It never sees the truth.
 struct ExtractionInput {
@@ -69,6 +71,9 @@ struct ExtractionInput {
   /// The median grey level around the target; none where the target fills the image.
   std::optional<double> background_grey;
 };
+
+/// Half the width of the search along a unit vector, px, as SearchOptions say.
+double search_half_px(const ExtractionInput& input, const Eigen::Vector2d& direction);
 
 /// One way to find a feature in an image near its prediction. To add one: write
 /// features/extractors/<name>.cpp with one function of this signature, declare it in

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -83,13 +82,13 @@ std::vector<ImageLine> strongest_lines(const ExtractionInput& input, const cv::R
   const auto edge_pixels = pixels_of(edges, window);
   const auto lines = hough_lines(edges, window, options.min_votes);
   const double max_sine = std::sin(options.direction_tolerance_deg * kDegree);
-  const double within_px =
-      input.options.search.within_px.value_or(std::numeric_limits<double>::infinity());
   std::vector<ImageLine> found;
   for (const Eigen::Vector2d& direction : input.prediction.edge_direction) {
     const auto strongest = std::find_if(lines.begin(), lines.end(), [&](const HoughLine& line) {
-      return std::abs(line.normal.dot(direction)) <= max_sine &&
-             std::abs(line.normal.dot(input.prediction.pixel) - line.distance_px) <= within_px;
+      if (std::abs(line.normal.dot(direction)) > max_sine) return false;
+      if (!input.options.is_gated) return true;
+      const double off_px = std::abs(line.normal.dot(input.prediction.pixel) - line.distance_px);
+      return off_px <= search_half_px(input, line.normal);
     });
     if (strongest == lines.end()) continue;
     auto line = fitted(*strongest, edge_pixels, options);

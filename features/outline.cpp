@@ -157,7 +157,8 @@ PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& p
   predicted.normal = Eigen::Vector2d(-predicted.direction.y(), predicted.direction.x());
   const FeatureShape* shape = shape_of(view, prediction);
   if (shape == nullptr) return predicted;
-  const Edge& own = view.target->features[prediction.feature].edges[edge];
+  const int index = prediction.edge[edge];
+  const Edge& own = view.target->features[prediction.feature].edges[index];
   const Eye eye(view);
   const auto end = eye.project(own.end_m);
   if (!end) return predicted;
@@ -165,7 +166,7 @@ PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& p
   const double last_px = std::min(reach_px, length_px - gap_px);
   if (!(last_px > gap_px)) return predicted;
 
-  const std::vector<MeshEdge>& along = shape->along[edge];
+  const std::vector<MeshEdge>& along = shape->along[index];
   predicted.is_rounded =
       !along.empty() && !along.front().is_open && along.front().cos_turn() > kCreaseCosine;
   const double max_offset_px = predicted.is_rounded ? kMaxOffsetPx : kMaxCreaseOffsetPx;

@@ -36,8 +36,8 @@ struct OutlineSample {
   bool borders_target;
 };
 
-/// Edge `edge` (0 or 1) of a line intersection, from `gap_px` to `reach_px` from the feature and no
-/// nearer than `gap_px` to its other end.
+/// The first or second (0, 1) of a line intersection's predicted edges, from `gap_px` to `reach_px`
+/// from the feature and no nearer than `gap_px` to its other end.
 PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& prediction, int edge,
                            double gap_px, double reach_px);
 

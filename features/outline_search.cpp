@@ -60,11 +60,10 @@ std::optional<double> side_level(const cv::Mat& image, std::span<const OutlineSa
 
 }  // namespace
 
-double search_half_px(const ExtractionInput& input, const Eigen::Vector2d& direction) {
-  const SearchOptions& options = input.options.search;
-  if (options.within_px) return *options.within_px;
-  const double variance = direction.dot(input.prediction.covariance_px2 * direction);
-  return std::min(options.max_half_px, options.sigmas * std::sqrt(variance) + options.margin_px);
+bool is_prior_good(const ExtractionInput& input) {
+  return std::max(search_half_px(input, Eigen::Vector2d::UnitX()),
+                  search_half_px(input, Eigen::Vector2d::UnitY())) <=
+         input.options.search.good_half_px;
 }
 
 int search_window_half_px(const ExtractionInput& input) {
@@ -81,10 +80,11 @@ double gradient_threshold(const SearchOptions& options) {
 
 int outline_polarity(const ExtractionInput& input, std::span<const OutlineSample> samples) {
   const SearchOptions& options = input.options.search;
+  const bool is_good = is_prior_good(input);
   const std::optional<double> inside =
-      options.within_px ? side_level(input.image, samples, -1) : inside_level(input);
+      is_good ? side_level(input.image, samples, -1) : inside_level(input);
   const std::optional<double> outside =
-      options.within_px ? side_level(input.image, samples, 1) : input.background_grey;
+      is_good ? side_level(input.image, samples, 1) : input.background_grey;
   if (!inside || !outside) return 0;
   const double difference = *outside - *inside;
   if (std::abs(difference) < options.min_contrast_grey) return 0;

@@ -13,8 +13,8 @@
 
 namespace sightline {
 
-/// Half the width of the search along a unit vector, px.
-double search_half_px(const ExtractionInput& input, const Eigen::Vector2d& direction);
+/// True where the feature is known to a few pixels (SearchOptions::good_half_px).
+bool is_prior_good(const ExtractionInput& input);
 
 /// The half-size of the window that holds all places where the feature may be found.
 int search_window_half_px(const ExtractionInput& input);

@@ -97,8 +97,9 @@ FeatureShape shape_of(const TargetFeature& feature, const Mesh& mesh,
   FeatureShape shape;
   std::set<int> parts = parts_named(mesh, feature.parts);
   if (feature.kind == FeatureKind::kLineIntersection) {
+    shape.along.resize(feature.edges.size());
     for (const SharedEdge& shared : edges) {
-      for (int i = 0; i < 2; ++i) {
+      for (size_t i = 0; i < feature.edges.size(); ++i) {
         const Edge& own = feature.edges[i];
         if (!is_on(shared.edge.begin_m, own) || !is_on(shared.edge.end_m, own)) continue;
         shape.along[i].push_back(shared.edge);

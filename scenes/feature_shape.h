@@ -39,8 +39,8 @@ struct TargetFeature {
   /// Mesh closer than this to the feature does not hide it: its own surface, and where that is
   /// rounded, the bulge between the feature and the outline that is seen in its place.
   double clearance_m = 0.01;
-  /// For kLineIntersection: the two edges, each beginning at the feature.
-  std::array<Edge, 2> edges;
+  /// For kLineIntersection: two edges or more, each beginning at the feature.
+  std::vector<Edge> edges;
   /// Names of the mesh's parts whose outline belongs to the feature. None: for a line intersection
   /// the parts along its edges, else no outline.
   std::vector<std::string> parts;
@@ -64,8 +64,9 @@ struct MeshEdge {
 
 /// What the mesh looks like around a feature: all that may become its outline in an image.
 struct FeatureShape {
-  std::vector<MeshEdge> edges;                 ///< of the feature's parts, where they turn
-  std::array<std::vector<MeshEdge>, 2> along;  ///< on the feature's own edges, nearest first
+  std::vector<MeshEdge> edges;  ///< of the feature's parts, where they turn
+  /// On each of the feature's own edges, nearest first.
+  std::vector<std::vector<MeshEdge>> along;
   Eigen::Vector3d inside_m = Eigen::Vector3d::Zero();  ///< a point amidst these edges
 };
 

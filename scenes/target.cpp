@@ -33,6 +33,27 @@ FeatureKind read_kind(const TomlTable& table) {
                        [&](FeatureKind kind) { return to_string(kind) == given; });
 }
 
+void check_edges(const TomlTable& table, const TargetFeature& feature) {
+  constexpr double kLeastSine = 0.01;  // half a degree: less is one edge, not two
+  std::vector<Eigen::Vector3d> directions;
+  for (size_t i = 0; i < feature.edges.size(); ++i) {
+    const Edge& edge = feature.edges[i];
+    if ((edge.begin_m - feature.position_m).norm() > kOnFeatureM) {
+      table.fail("edges_m",
+                 fmt::format("of \"{}\": edge {} must begin at position_m", feature.name, i));
+    }
+    if ((edge.end_m - edge.begin_m).norm() < kOnFeatureM) {
+      table.fail("edges_m", fmt::format("of \"{}\": edge {} has no length", feature.name, i));
+    }
+    const Eigen::Vector3d direction = (edge.end_m - edge.begin_m).normalized();
+    for (const Eigen::Vector3d& other : directions) {
+      if (other.cross(direction).norm() >= kLeastSine) continue;
+      table.fail("edges_m", fmt::format("of \"{}\" must not be parallel", feature.name));
+    }
+    directions.push_back(direction);
+  }
+}
+
 TargetFeature read_feature(const TomlTable& table) {
   TargetFeature feature;
   feature.name = table.text("name");
@@ -47,20 +68,10 @@ TargetFeature read_feature(const TomlTable& table) {
                                     feature.name));
   }
   if (feature.kind != FeatureKind::kLineIntersection) return feature;
-  const auto edges = table.point_lists("edges_m", 2, 2);
-  constexpr double kLeastSine = 0.01;  // half a degree: less is one edge, not two
-  for (int i = 0; i < 2; ++i) {
-    feature.edges[i] = {edges[i][0], edges[i][1]};
-    if ((edges[i][0] - feature.position_m).norm() > kOnFeatureM) {
-      table.fail("edges_m", fmt::format("edge {} must begin at position_m", i));
-    }
-    if ((edges[i][1] - edges[i][0]).norm() < kOnFeatureM) {
-      table.fail("edges_m", fmt::format("edge {} has no length", i));
-    }
+  for (const auto& ends : table.point_lists("edges_m", 2, 2)) {
+    feature.edges.push_back({ends[0], ends[1]});
   }
-  const Eigen::Vector3d a = (edges[0][1] - edges[0][0]).normalized();
-  const Eigen::Vector3d b = (edges[1][1] - edges[1][0]).normalized();
-  if (a.cross(b).norm() < kLeastSine) table.fail("edges_m", "must not be parallel");
+  check_edges(table, feature);
   return feature;
 }
 

@@ -190,7 +190,8 @@ void extract_contour(const ExtractionInput& input, Observation& observation) {
                                          sample.borders_target ? 0 : polarity, threshold)});
     for (const EdgePeak& peak : peaks.back().peaks) votes.add(sample.normal, peak.offset_px);
   }
-  const auto fit = registered(peaks, feature, votes.best(), options.turn_sd_rad);
+  const auto fit =
+      registered(peaks, feature, votes.best(), is_prior_good(input) ? 0 : options.turn_sd_rad);
   if (!fit) {
     observation.status = ObservationStatus::kTooFewEdgePixels;
     return;

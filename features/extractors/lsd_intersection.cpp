@@ -6,7 +6,6 @@
 // least-squares line through them; the feature is where the two lines meet.
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -72,13 +71,14 @@ std::optional<ImageLine> longest_line(const std::vector<Segment>& segments,
                                       const Eigen::Vector2d& direction,
                                       const ExtractionInput& input) {
   const LineOptions& options = input.options.line;
-  const double within_px =
-      input.options.search.within_px.value_or(std::numeric_limits<double>::infinity());
   const double min_cosine = std::cos(options.direction_tolerance_deg * kDegree);
   std::vector<Segment> parallel;
   for (const Segment& segment : segments) {
     if (std::abs(segment.direction().dot(direction)) < min_cosine) continue;
-    if (distance_px(segment, input.prediction.pixel) <= within_px) parallel.push_back(segment);
+    const Eigen::Vector2d normal(-segment.direction().y(), segment.direction().x());
+    const bool is_near = !input.options.is_gated || distance_px(segment, input.prediction.pixel) <=
+                                                        search_half_px(input, normal);
+    if (is_near) parallel.push_back(segment);
   }
   std::vector<Eigen::Vector2d> longest;
   for (const Segment& seed : parallel) {

@@ -166,8 +166,9 @@ std::optional<ImageLine> find_line(const ExtractionInput& input, const GradientW
                                               sample.borders_target ? 0 : polarity, threshold)});
   }
   const double pivot_px = (edge.samples.front().along_px + edge.samples.back().along_px) / 2;
-  const Line start = voted(peaks, pivot_px, half_px, options.max_slope);
-  const auto fit = fitted(peaks, pivot_px, start, options.max_slope);
+  const double max_slope = is_prior_good(input) ? options.good_max_slope : options.max_slope;
+  const Line start = voted(peaks, pivot_px, half_px, max_slope);
+  const auto fit = fitted(peaks, pivot_px, start, max_slope);
   if (!fit) return std::nullopt;
   ImageLine line;
   line.point = edge.begin + pivot_px * edge.direction + fit->line.offset_px * edge.normal;
@@ -196,11 +197,13 @@ void extract_model_edges(const ExtractionInput& input, Observation& observation)
     observation.status = ObservationStatus::kOutsideImage;
     return;
   }
+  const SearchOptions& options = input.options.search;
+  const double reach_px = is_prior_good(input) ? options.good_reach_px : options.reach_px;
   std::array<PredictedEdge, 2> edges;
   std::array<std::vector<OutlineSample>, 2> samples;
   std::vector<OutlineSample> all;
   for (int i = 0; i < 2; ++i) {
-    edges[i] = predict_edge(input.view, input.prediction, i, kGapPx, input.options.search.reach_px);
+    edges[i] = predict_edge(input.view, input.prediction, i, kGapPx, reach_px);
     samples[i] = samples_of(edges[i]);
     if (samples[i].size() < kFewestSamples) {
       observation.status = ObservationStatus::kNoOutline;

@@ -222,7 +222,8 @@ TargetFeature to_port(TargetFeature feature, std::string name) {
 void add_pair(std::vector<TargetFeature>& features, const std::string& name,
               const Eigen::Vector3d& corner, const Eigen::Vector3d& end_a,
               const Eigen::Vector3d& end_b) {
-  const TargetFeature starboard = line_intersection(name + "_starboard", corner, end_a, end_b);
+  const TargetFeature starboard =
+      line_intersection(name + "_starboard", corner, std::array{end_a, end_b});
   features.push_back(to_port(starboard, name + "_port"));
   features.push_back(starboard);
 }
@@ -333,10 +334,10 @@ std::vector<TargetFeature> boeing707_features(const Boeing707& d) {
            tail_te);
   add_pair(features, "tailplane_tip_te", tail_te, d.tailplane_trailing_edge(d.tailplane_root_y_m),
            tail_le);
-  features.push_back(
-      line_intersection("fin_tip_le", fin_le, d.fin_leading_edge(d.fin_fillet_height_m), fin_te));
-  features.push_back(
-      line_intersection("fin_tip_te", fin_te, d.fin_trailing_edge(d.fin_root_height_m), fin_le));
+  features.push_back(line_intersection(
+      "fin_tip_le", fin_le, std::array{d.fin_leading_edge(d.fin_fillet_height_m), fin_te}));
+  features.push_back(line_intersection(
+      "fin_tip_te", fin_te, std::array{d.fin_trailing_edge(d.fin_root_height_m), fin_le}));
   add_nacelle_fronts(features, d);
   return features;
 }

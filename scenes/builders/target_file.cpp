@@ -59,23 +59,24 @@ std::string to_toml(const BuiltTarget& target) {
 }  // namespace
 
 TargetFeature line_intersection(std::string name, const Eigen::Vector3d& corner,
-                                const Eigen::Vector3d& end_a, const Eigen::Vector3d& end_b) {
+                                std::span<const Eigen::Vector3d> ends) {
+  std::vector<Edge> edges;
+  for (const Eigen::Vector3d& end : ends) edges.push_back({corner, end});
   return {.name = std::move(name),
           .kind = FeatureKind::kLineIntersection,
           .position_m = corner,
-          .edges = {Edge{corner, end_a}, Edge{corner, end_b}},
+          .edges = std::move(edges),
           .parts = {}};
 }
 
 TargetFeature outlined_feature(std::string name, FeatureKind kind,
                                const Eigen::Vector3d& position_m, double clearance_m,
                                std::vector<std::string> parts, double reach_m) {
-  const Edge none{position_m, position_m};
   return {.name = std::move(name),
           .kind = kind,
           .position_m = position_m,
           .clearance_m = clearance_m,
-          .edges = {none, none},
+          .edges = {},
           .parts = std::move(parts),
           .reach_m = reach_m};
 }

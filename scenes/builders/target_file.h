@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,9 +22,9 @@ struct BuiltTarget {
   std::vector<TargetFeature> features;
 };
 
-/// A feature at a corner of the target, with the far ends of the two edges that meet there.
+/// A feature at a corner of the target, with the far ends of the edges that meet there.
 TargetFeature line_intersection(std::string name, const Eigen::Vector3d& corner,
-                                const Eigen::Vector3d& end_a, const Eigen::Vector3d& end_b);
+                                std::span<const Eigen::Vector3d> ends);
 
 /// A feature without straight edges: the rounded outline of these parts within `reach_m` of it
 /// tells where it is, and their surface may hide it from `clearance_m` away.
