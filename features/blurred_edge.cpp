@@ -141,6 +141,7 @@ std::optional<ImageLine> fit_blurred_edge(const cv::Mat& image, const ImageLine&
   refined.point = line.point + middle_px * line.direction + (x[0] + x[1] * middle_px) * normal;
   refined.direction = (line.direction + x[1] * normal).normalized();
   refined.edge_pixels = line.edge_pixels;
+  refined.contrast_grey = std::abs(x[3] - x[2]);
   Eigen::Matrix2d to_middle;
   to_middle << 1, middle_px, 0, 1;
   refined.covariance = to_middle * covariance.topLeftCorner<2, 2>() * to_middle.transpose();

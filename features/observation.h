@@ -42,7 +42,8 @@ struct ImageLine {
   Eigen::Vector2d point = Eigen::Vector2d::Zero();       ///< centroid of its edge pixels
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit vector
   std::vector<Eigen::Vector2d> edge_pixels;
-  double rms_px = 0;  ///< of the edge pixels about the line
+  double rms_px = 0;         ///< of the edge pixels about the line
+  double contrast_grey = 0;  ///< of its two sides, grey levels of 255; 0 where not measured
   /// Of the line's offset along its normal at `point` (px) and its slope there (rad).
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
@@ -53,6 +54,8 @@ struct Observation {
   ObservationStatus status = ObservationStatus::kNoCorner;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< with status kFound
   Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Identity();
+  /// Of the edges it was found by, the weaker: grey levels of 255; 0 where that was not measured.
+  double contrast_grey = 0;
   Eigen::Vector2d predicted_px = Eigen::Vector2d::Zero();
   cv::Rect window;                       ///< where it looked, inside the image
   std::vector<ImageLine> lines;          ///< a line intersection's two lines, if found

@@ -78,6 +78,11 @@ void extract_hough_subpixel(const ExtractionInput& input, Observation& observati
         stretch ? fit_blurred_edge(input.image, line, *stretch, input.options.search.noise_sd_grey)
                 : std::nullopt;
     if (fit) fit->covariance(0, 0) += kFloorPx * kFloorPx;
+    if (fit) {
+      observation.contrast_grey = refined.empty()
+                                      ? fit->contrast_grey
+                                      : std::min(observation.contrast_grey, fit->contrast_grey);
+    }
     refined.push_back(fit ? std::move(*fit) : line);
   }
   observation.lines = std::move(refined);

@@ -170,12 +170,14 @@ std::optional<ImageLine> find_line(const ExtractionInput& input, const GradientW
   const Line start = voted(peaks, pivot_px, half_px, max_slope);
   const auto fit = fitted(peaks, pivot_px, start, max_slope);
   if (!fit) return std::nullopt;
+  const double contrast_grey = fit->gradient / kGradientOfUnitEdge;
   ImageLine line;
   line.point = edge.begin + pivot_px * edge.direction + fit->line.offset_px * edge.normal;
   line.direction = (edge.direction + fit->line.slope * edge.normal).normalized();
   line.rms_px = fit->rms_px;
+  line.contrast_grey = contrast_grey;
   line.covariance = fit->covariance;
-  const double floor = floor_px(edge.is_rounded, fit->gradient / kGradientOfUnitEdge);
+  const double floor = floor_px(edge.is_rounded, contrast_grey);
   line.covariance(0, 0) += floor * floor;
   // ImageLine counts offsets along its direction turned by a right angle.
   const bool is_turned =
@@ -215,7 +217,11 @@ void extract_model_edges(const ExtractionInput& input, Observation& observation)
   const int polarity = outline_polarity(input, all);
   for (int i = 0; i < 2; ++i) {
     auto line = find_line(input, gradients, edges[i], samples[i], polarity);
-    if (line) observation.lines.push_back(std::move(*line));
+    if (!line) continue;
+    observation.contrast_grey = observation.lines.empty()
+                                    ? line->contrast_grey
+                                    : std::min(observation.contrast_grey, line->contrast_grey);
+    observation.lines.push_back(std::move(*line));
   }
   meet(input.options.line.min_angle_deg, observation);
 }
