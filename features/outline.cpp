@@ -142,6 +142,36 @@ Eigen::Vector3d point_on(const Edge& edge, const Eye& eye, const Eigen::Vector2d
   return edge.begin_m + t * (edge.end_m - edge.begin_m);
 }
 
+// True where another stretch of the outline runs so near that the two edges blur into one.
+bool has_neighbour(const std::vector<Segment>& segments, const Eigen::Vector2d& on_outline,
+                   const Eigen::Vector2d& normal) {
+  constexpr double kApartPx = 3.5;
+  constexpr double kItselfPx = 0.5;
+  const Eigen::Vector2d along(-normal.y(), normal.x());
+  for (const Segment& segment : segments) {
+    const double from = along.dot(segment.begin - on_outline);
+    const double to = along.dot(segment.end - on_outline);
+    if (from * to > 0 || from == to) continue;
+    const double t = from / (from - to);
+    const double across =
+        std::abs(normal.dot(segment.begin + t * (segment.end - segment.begin) - on_outline));
+    if (across > kItselfPx && across < kApartPx) return true;
+  }
+  return false;
+}
+
+// By length: a wing's tip is rounded amidst and sharp at its trailing end.
+bool is_mostly_rounded(const std::vector<MeshEdge>& edges) {
+  double rounded_m = 0;
+  double length_m = 0;
+  for (const MeshEdge& edge : edges) {
+    const double edge_m = (edge.end_m - edge.begin_m).norm();
+    length_m += edge_m;
+    if (!edge.is_open && edge.cos_turn() > kCreaseCosine) rounded_m += edge_m;
+  }
+  return 2 * rounded_m > length_m;
+}
+
 struct Looked {
   bool is_seen = false;
   bool borders_target = false;
@@ -167,8 +197,7 @@ PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& p
   if (!(last_px > gap_px)) return predicted;
 
   const std::vector<MeshEdge>& along = shape->along[index];
-  predicted.is_rounded =
-      !along.empty() && !along.front().is_open && along.front().cos_turn() > kCreaseCosine;
+  predicted.is_rounded = is_mostly_rounded(along);
   const double max_offset_px = predicted.is_rounded ? kMaxOffsetPx : kMaxCreaseOffsetPx;
   const auto segments = silhouette(eye, *shape, predicted.begin, last_px + kMaxOffsetPx);
   const auto pixel_at = [&](double along_px) -> Eigen::Vector2d {
@@ -207,6 +236,7 @@ PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& p
       offset_px = crossing->offset_px;
       point_m = crossing->point_m;
     }
+    if (has_neighbour(segments, pixel + offset_px * predicted.normal, predicted.normal)) continue;
     if (along_px >= look_px) {
       look_px = along_px + kLookStepPx;
       if (!is_outline) point_m = point_on(own, eye, predicted.begin, predicted.direction, along_px);

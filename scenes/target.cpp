@@ -124,6 +124,7 @@ std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target
   for (TargetFeature& feature : features) {
     feature.position_m *= factor;
     feature.clearance_m *= factor;
+    feature.reach_m *= factor;
     for (Edge& edge : feature.edges) edge = {edge.begin_m * factor, edge.end_m * factor};
   }
   return make_target(target->name, target->description, std::move(loaded), std::move(features));

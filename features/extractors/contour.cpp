@@ -146,10 +146,14 @@ std::optional<Registration> registered(const std::vector<SamplePeaks>& samples,
   return fit;
 }
 
-// As in model_edges.
-double floor_px(FeatureKind kind, double contrast_grey) {
-  const double floor = kind == FeatureKind::kLineIntersection ? 0.15 : 0.3;
-  return floor * std::sqrt(1 + 400 / (contrast_grey * contrast_grey));
+// What the fit does not know of. A round body darkens towards its limb: against a darker background
+// its edge is seen inside its outline.
+double floor_px(FeatureKind kind, double contrast_grey, int polarity) {
+  constexpr double kMostPx = 1.5;
+  const double by_contrast = std::min(kMostPx, 250 / std::pow(contrast_grey, 1.5));
+  if (kind == FeatureKind::kLineIntersection) return by_contrast;
+  if (polarity > 0) return 0.35;
+  return std::hypot(kind == FeatureKind::kCorner ? 0.9 : 0.2, 2 * by_contrast);
 }
 
 // The samples with background beyond them, or all where there are few of those.
@@ -198,7 +202,7 @@ void extract_contour(const ExtractionInput& input, Observation& observation) {
   }
   observation.contour = fit->edge_pixels;
   observation.contrast_grey = fit->gradient / kGradientOfUnitEdge;
-  const double floor = floor_px(input.prediction.kind, observation.contrast_grey);
+  const double floor = floor_px(input.prediction.kind, observation.contrast_grey, polarity);
   observation.covariance_px2 =
       fit->covariance.topLeftCorner<2, 2>() + floor * floor * Eigen::Matrix2d::Identity();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(observation.covariance_px2);
