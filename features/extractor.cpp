@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "features/extractor.h"
 
+#include <algorithm>
 #include <array>
 
+#include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 
 #include "features/extractors/extractors.h"
@@ -14,13 +16,108 @@ namespace {
 constexpr std::array kCatalogue = {
     FeatureExtractor{"hough_intersection",
                      "Canny, Hough, least-squares lines, their intersection (the ORPE paper's)",
-                     FeatureKind::kLineIntersection, extract_hough_intersection},
+                     true, extract_hough_intersection},
+    FeatureExtractor{"hough_subpixel",
+                     "the same lines, each refitted to the grey levels of a blurred edge", true,
+                     extract_hough_subpixel},
+    FeatureExtractor{"lsd_intersection", "line segments by LSD, joined, their intersection", true,
+                     extract_lsd_intersection},
+    FeatureExtractor{"model_edges",
+                     "the edges that the mesh should show, searched along their normals", true,
+                     extract_model_edges},
+    FeatureExtractor{"contour", "the outline that the mesh should show, shifted onto the image's",
+                     false, extract_contour},
     FeatureExtractor{"shi_tomasi_nearest",
                      "of the Shi-Tomasi corners the one nearest the window's centre (the paper's)",
-                     FeatureKind::kCorner, extract_shi_tomasi_nearest},
+                     false, extract_shi_tomasi_nearest},
+    FeatureExtractor{"harris_subpixel",
+                     "of the Harris corners the one nearest the window's centre, refined", false,
+                     extract_harris_subpixel},
 };
 
+// The median grey level on a coarse grid outside the target's predicted box. None where little of
+// the image is outside.
+std::optional<double> background_level(const cv::Mat& image, const PredictedView& view) {
+  constexpr int kStepPx = 8;
+  constexpr double kMarginPx = 24;
+  constexpr size_t kFewest = 32;
+  if (view.target == nullptr || view.target->mesh.vertices.empty()) return std::nullopt;
+  const Bounds box = bounds(view.target->mesh);
+  Eigen::AlignedBox2d target;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Eigen::Vector3d point((corner & 1 ? box.max_m : box.min_m).x(),
+                                (corner & 2 ? box.max_m : box.min_m).y(),
+                                (corner & 4 ? box.max_m : box.min_m).z());
+    const auto pixel = project(view.camera, view.cam_from_target * point);
+    if (!pixel) return std::nullopt;
+    target.extend(*pixel);
+  }
+  const Eigen::Vector2d from = target.min().array() - kMarginPx;
+  const Eigen::Vector2d to = target.max().array() + kMarginPx;
+  std::vector<uint8_t> greys;
+  for (int v = kStepPx / 2; v < image.rows; v += kStepPx) {
+    for (int u = kStepPx / 2; u < image.cols; u += kStepPx) {
+      const bool is_on_target = u > from.x() && u < to.x() && v > from.y() && v < to.y();
+      if (!is_on_target) greys.push_back(image.at<uint8_t>(v, u));
+    }
+  }
+  if (greys.size() < kFewest) return std::nullopt;
+  std::nth_element(greys.begin(), greys.begin() + greys.size() / 2, greys.end());
+  return greys[greys.size() / 2];
+}
+
+// Why a window is not worth looking at; kFound where it is.
+ObservationStatus why_not_look(const cv::Mat& window) {
+  constexpr int kLeastPx = 5;
+  constexpr uint8_t kWhite = 255;
+  if (std::min(window.rows, window.cols) < kLeastPx) return ObservationStatus::kWindowTooSmall;
+  double least = 0;
+  double greatest = 0;
+  cv::minMaxLoc(window, &least, &greatest);
+  if (least < greatest) return ObservationStatus::kFound;
+  return least == kWhite ? ObservationStatus::kSaturated : ObservationStatus::kEmptyWindow;
+}
+
+bool is_within_search(const ExtractionInput& input, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d off = pixel - input.prediction.pixel;
+  const double distance_px = off.norm();
+  return distance_px == 0 || distance_px <= search_half_px(input, off / distance_px);
+}
+
+Observation observe(const cv::Mat& image, const PredictedView& view,
+                    const FeaturePrediction& prediction, const FeatureExtractor& extractor,
+                    const ExtractorOptions& options, std::optional<double> background_grey) {
+  Observation observation;
+  observation.feature = prediction.feature;
+  observation.predicted_px = prediction.pixel;
+  if (prediction.is_in_front) {
+    observation.window = window_around(prediction.pixel, options.window_half_px, image.size());
+  }
+  if (observation.window.empty()) {
+    observation.status = ObservationStatus::kOutsideImage;
+  } else if (prediction.is_hidden) {
+    observation.status = ObservationStatus::kHidden;
+  } else {
+    observation.status = why_not_look(image(observation.window));
+    if (observation.status != ObservationStatus::kFound) return observation;
+    const ExtractionInput input{image, view, prediction, options, background_grey};
+    extractor.extract(input, observation);
+    if (options.is_gated && observation.status == ObservationStatus::kFound &&
+        !is_within_search(input, observation.pixel)) {
+      observation.status = ObservationStatus::kOutsideWindow;
+    }
+  }
+  return observation;
+}
+
 }  // namespace
+
+double search_half_px(const ExtractionInput& input, const Eigen::Vector2d& direction) {
+  const SearchOptions& options = input.options.search;
+  const double variance = direction.dot(input.prediction.covariance_px2 * direction);
+  return std::clamp(options.sigmas * std::sqrt(variance) + options.margin_px, options.least_half_px,
+                    options.most_half_px);
+}
 
 std::span<const FeatureExtractor> feature_extractors() {
   return kCatalogue;
@@ -33,30 +130,28 @@ const FeatureExtractor* find_feature_extractor(std::string_view name) {
   return nullptr;
 }
 
+const FeatureExtractor& ExtractorChoice::of(FeatureKind kind) const {
+  switch (kind) {
+    case FeatureKind::kLineIntersection:
+      return *line_intersection;
+    case FeatureKind::kCorner:
+      return *corner;
+    case FeatureKind::kContour:
+      return contour != nullptr ? *contour : *corner;
+  }
+  return *corner;
+}
+
 std::vector<Observation> extract_features(const cv::Mat& image, double white,
-                                          std::span<const FeaturePrediction> predictions,
-                                          const ExtractorChoice& choice,
+                                          const PredictedView& view, const ExtractorChoice& choice,
                                           const ExtractorOptions& options) {
   cv::Mat grey = image;
   if (image.type() != CV_8U || white != 255) image.convertTo(grey, CV_8U, 255 / white);
+  const std::optional<double> background_grey = background_level(grey, view);
   std::vector<Observation> observations;
-  for (const FeaturePrediction& prediction : predictions) {
-    Observation observation;
-    observation.feature = prediction.feature;
-    observation.predicted_px = prediction.pixel;
-    if (prediction.is_in_front) {
-      observation.window = window_around(prediction.pixel, options.window_half_px, grey.size());
-    }
-    if (observation.window.empty()) {
-      observation.status = ObservationStatus::kOutsideImage;
-    } else if (prediction.is_hidden) {
-      observation.status = ObservationStatus::kHidden;
-    } else {
-      const bool has_lines = prediction.kind == FeatureKind::kLineIntersection;
-      const FeatureExtractor& extractor = has_lines ? *choice.line_intersection : *choice.corner;
-      extractor.extract(grey, prediction, options, observation);
-    }
-    observations.push_back(std::move(observation));
+  for (const FeaturePrediction& prediction : view.features) {
+    observations.push_back(
+        observe(grey, view, prediction, choice.of(prediction.kind), options, background_grey));
   }
   return observations;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -30,11 +31,49 @@ struct CornerOptions {
   int block_px = 5;               ///< the window of the structure tensor
 };
 
+/// Of the extractors that search for a predicted outline along its normals.
+struct SearchOptions {
+  /// How far from the prediction: so many standard deviations of it and a margin, within limits;
+  /// beyond the upper one other edges are more likely to be met than the right one.
+  double sigmas = 2.5;
+  double margin_px = 1.5;
+  double least_half_px = 4;
+  double most_half_px = 20;
+  /// Where that is no more than this, the prior is good: edges are followed farther and turn less.
+  double good_half_px = 5;
+  double reach_px = 36;  ///< how far along its edges from a line intersection
+  double good_reach_px = 60;
+  double max_slope = 0.15;  ///< of a line against its prediction
+  double good_max_slope = 0.05;
+  double outline_reach_px = 30;  ///< how far along the outline from a feature
+  double turn_sd_rad = 0.05;     ///< of an outline against its prediction; none for a good prior
+  double noise_sd_grey = 3;      ///< of the image, grey levels of 255, as far as it is known
+  double threshold_noises = 5;   ///< an edge's gradient is at least this many times its noise
+  double min_contrast_grey = 8;  ///< of target and background, to tell the sides of an edge by
+};
+
 struct ExtractorOptions {
   int window_half_px = 24;  ///< windows are squares of 2 h + 1 pixels around the prediction
+  /// The prior has already been improved from this image: what lies outside the search around its
+  /// prediction is not the feature.
+  bool is_gated = false;
   LineOptions line;
   CornerOptions corner;
+  SearchOptions search;
 };
+
+/// All that an extractor is told of one feature. It never sees the truth.
+struct ExtractionInput {
+  const cv::Mat& image;  ///< CV_8U
+  const PredictedView& view;
+  const FeaturePrediction& prediction;
+  const ExtractorOptions& options;
+  /// The median grey level around the target; none where the target fills the image.
+  std::optional<double> background_grey;
+};
+
+/// Half the width of the search along a unit vector, px, as SearchOptions say.
+double search_half_px(const ExtractionInput& input, const Eigen::Vector2d& direction);
 
 /// One way to find a feature in an image near its prediction. To add one: write
 /// features/extractors/<name>.cpp with one function of this signature, declare it in
@@ -42,10 +81,14 @@ struct ExtractorOptions {
 struct FeatureExtractor {
   std::string_view name;
   std::string_view summary;
-  FeatureKind kind;  ///< of the features it finds
-  /// `image` is CV_8U; the window lies inside it. Fills status, pixel, covariance and evidence.
-  void (*extract)(const cv::Mat& image, const FeaturePrediction& prediction,
-                  const ExtractorOptions& options, Observation& observation);
+  bool needs_edges;  ///< finds line intersections alone; otherwise features of any kind
+  /// The observation's window lies inside the image and is not empty. Fills status, pixel,
+  /// covariance and evidence.
+  void (*extract)(const ExtractionInput& input, Observation& observation);
+
+  bool finds(FeatureKind kind) const {
+    return !needs_edges || kind == FeatureKind::kLineIntersection;
+  }
 };
 
 /// The catalogue, in the order in which it is listed.
@@ -58,14 +101,16 @@ const FeatureExtractor* find_feature_extractor(std::string_view name);
 struct ExtractorChoice {
   const FeatureExtractor* line_intersection = nullptr;
   const FeatureExtractor* corner = nullptr;
+  const FeatureExtractor* contour = nullptr;
+
+  const FeatureExtractor& of(FeatureKind kind) const;
 };
 
-/// One observation a prediction, in its order: features predicted hidden or outside the image are
-/// missing observations with that reason; the others are looked for in windows around the
+/// One observation a predicted feature, in their order: features predicted hidden or outside the
+/// image are missing observations with that reason; the others are looked for in windows around the
 /// predictions. The image is CV_8U or CV_16U (then scaled by its greatest possible value `white`).
 std::vector<Observation> extract_features(const cv::Mat& image, double white,
-                                          std::span<const FeaturePrediction> predictions,
-                                          const ExtractorChoice& choice,
+                                          const PredictedView& view, const ExtractorChoice& choice,
                                           const ExtractorOptions& options);
 
 }  // namespace sightline

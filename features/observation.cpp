@@ -12,6 +12,14 @@ std::string_view to_string(ObservationStatus status) {
       return "hidden";
     case ObservationStatus::kOutsideImage:
       return "outside the image";
+    case ObservationStatus::kWindowTooSmall:
+      return "window too small";
+    case ObservationStatus::kSaturated:
+      return "saturated window";
+    case ObservationStatus::kEmptyWindow:
+      return "empty window";
+    case ObservationStatus::kNoOutline:
+      return "no outline to look for";
     case ObservationStatus::kTooFewEdgePixels:
       return "too few edge pixels";
     case ObservationStatus::kParallelLines:

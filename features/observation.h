@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <string_view>
 #include <vector>
 
@@ -14,10 +15,23 @@ enum class ObservationStatus {
   kFound,
   kHidden,            ///< the target itself hides the feature at the predicted pose
   kOutsideImage,      ///< the predicted feature, or too much of its window, is not on the image
+  kWindowTooSmall,    ///< the window is too small to hold an edge
+  kSaturated,         ///< the window is white throughout
+  kEmptyWindow,       ///< the window is of one grey throughout
+  kNoOutline,         ///< the target shows too little of an outline or edge there to look for
   kTooFewEdgePixels,  ///< the window holds no line with enough edge pixels along a predicted edge
   kParallelLines,     ///< the two lines found meet at too small an angle
-  kOutsideWindow,     ///< the two lines meet outside the window
+  kOutsideWindow,     ///< what was found lies outside the window
   kNoCorner,          ///< the window holds no corner
+};
+
+inline constexpr std::array kObservationStatuses = {
+    ObservationStatus::kFound,         ObservationStatus::kHidden,
+    ObservationStatus::kOutsideImage,  ObservationStatus::kWindowTooSmall,
+    ObservationStatus::kSaturated,     ObservationStatus::kEmptyWindow,
+    ObservationStatus::kNoOutline,     ObservationStatus::kTooFewEdgePixels,
+    ObservationStatus::kParallelLines, ObservationStatus::kOutsideWindow,
+    ObservationStatus::kNoCorner,
 };
 
 /// Words for tables and files: "found", "hidden", "too few edge pixels", ...
@@ -28,7 +42,10 @@ struct ImageLine {
   Eigen::Vector2d point = Eigen::Vector2d::Zero();       ///< centroid of its edge pixels
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit vector
   std::vector<Eigen::Vector2d> edge_pixels;
-  double rms_px = 0;  ///< of the edge pixels about the line
+  double rms_px = 0;         ///< of the edge pixels about the line
+  double contrast_grey = 0;  ///< of its two sides, grey levels of 255; 0 where not measured
+  /// Of the line's offset along its normal at `point` (px) and its slope there (rad).
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 
 /// What an extractor says of one feature in one image, and the evidence it came from.
@@ -37,10 +54,13 @@ struct Observation {
   ObservationStatus status = ObservationStatus::kNoCorner;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< with status kFound
   Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Identity();
+  /// Of the edges it was found by, the weaker: grey levels of 255; 0 where that was not measured.
+  double contrast_grey = 0;
   Eigen::Vector2d predicted_px = Eigen::Vector2d::Zero();
   cv::Rect window;                       ///< where it looked, inside the image
   std::vector<ImageLine> lines;          ///< a line intersection's two lines, if found
   std::vector<Eigen::Vector2d> corners;  ///< all the corners a corner extractor chose from
+  std::vector<Eigen::Vector2d> contour;  ///< the edge pixels an outline was laid on
 };
 
 }  // namespace sightline

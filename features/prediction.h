@@ -11,6 +11,8 @@
 
 #include "pose/camera.h"
 #include "pose/pose.h"
+#include "pose/solver.h"
+#include "scenes/scene.h"
 #include "scenes/target.h"
 
 namespace sightline {
@@ -22,13 +24,39 @@ struct FeaturePrediction {
   bool is_in_front = false;  ///< of the camera; else nothing below is meaningful
   bool is_hidden = false;    ///< by the target's own mesh
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-  /// For line intersections: unit vectors in the image along the two edges, away from the feature.
+  Eigen::Matrix2d covariance_px2 = Eigen::Matrix2d::Zero();  ///< that the prior's error leaves
+  /// For line intersections: the two of the feature's edges that are best seen, and unit vectors in
+  /// the image along them, away from the feature.
+  std::array<int, 2> edge{0, 1};
   std::array<Eigen::Vector2d, 2> edge_direction{Eigen::Vector2d::UnitX(), Eigen::Vector2d::UnitY()};
 };
 
-std::vector<FeaturePrediction> predict_features(const Target& target, std::span<const int> features,
-                                                const Camera& camera,
-                                                const Pose& prior_cam_from_target);
+/// The target as a prior pose expects it: all that an extractor may know.
+struct PredictedView {
+  const Target* target = nullptr;  ///< must outlive this; without it there are no outlines
+  Camera camera;
+  Pose cam_from_target;
+  std::vector<FeaturePrediction> features;
+};
+
+/// A pose as it is known before an image is looked at.
+struct PosePrior {
+  Pose cam_from_target;
+  /// Of (w, dt): the truth is (Exp(w) R, t + dt); radians and metres.
+  Matrix6d covariance = Matrix6d::Zero();
+};
+
+/// A pose that errs as draw_prior makes it.
+PosePrior prior_of(const Pose& cam_from_target, const Camera& camera, const PriorError& error);
+
+/// To first order the covariance that the prior leaves of the pixel of a point of the target; zero
+/// for a point behind the camera.
+Eigen::Matrix2d predicted_covariance_px2(const Camera& camera, const PosePrior& prior,
+                                         const Eigen::Vector3d& position_m);
+
+/// The view of those features of a target.
+PredictedView predict_features(const Target& target, std::span<const int> features,
+                               const Camera& camera, const PosePrior& prior);
 
 /// The square window of half-size `half_px` around the pixel, cut at the image's border; empty
 /// where less than half of it lies on the image.

@@ -26,34 +26,53 @@ MeshFrame read_frame(const TomlTable& table) {
           .unit_m = table.number("unit_m", {1e-6, 1e6}, defaults.unit_m)};
 }
 
+FeatureKind read_kind(const TomlTable& table) {
+  std::vector<std::string> names;
+  for (const FeatureKind kind : kFeatureKinds) names.emplace_back(to_string(kind));
+  const std::string given = table.choice("kind", names);
+  return *std::find_if(kFeatureKinds.begin(), kFeatureKinds.end(),
+                       [&](FeatureKind kind) { return to_string(kind) == given; });
+}
+
+void check_edges(const TomlTable& table, const TargetFeature& feature) {
+  constexpr double kLeastSine = 0.01;  // half a degree: less is one edge, not two
+  std::vector<Eigen::Vector3d> directions;
+  for (size_t i = 0; i < feature.edges.size(); ++i) {
+    const Edge& edge = feature.edges[i];
+    if ((edge.begin_m - feature.position_m).norm() > kOnFeatureM) {
+      table.fail("edges_m",
+                 fmt::format("of \"{}\": edge {} must begin at position_m", feature.name, i));
+    }
+    if ((edge.end_m - edge.begin_m).norm() < kOnFeatureM) {
+      table.fail("edges_m", fmt::format("of \"{}\": edge {} has no length", feature.name, i));
+    }
+    const Eigen::Vector3d direction = (edge.end_m - edge.begin_m).normalized();
+    for (const Eigen::Vector3d& other : directions) {
+      if (other.cross(direction).norm() >= kLeastSine) continue;
+      table.fail("edges_m", fmt::format("of \"{}\" must not be parallel", feature.name));
+    }
+    directions.push_back(direction);
+  }
+}
+
 TargetFeature read_feature(const TomlTable& table) {
   TargetFeature feature;
   feature.name = table.text("name");
   if (feature.name.empty()) table.fail("name", "is empty");
-  const std::vector<std::string> kinds = {std::string(to_string(FeatureKind::kLineIntersection)),
-                                          std::string(to_string(FeatureKind::kCorner))};
-  const bool has_edges = table.choice("kind", kinds) == kinds[0];
-  feature.kind = has_edges ? FeatureKind::kLineIntersection : FeatureKind::kCorner;
+  feature.kind = read_kind(table);
   feature.position_m = table.vector3("position_m");
   feature.clearance_m = table.number("clearance_m", {0, 1e6}, feature.clearance_m);
-  if (!has_edges) return feature;
-  const auto edges = table.point_lists("edges_m", 2, 2);
-  constexpr double kLeastSine = 0.01;  // half a degree: less is one edge, not two
-  for (int i = 0; i < 2; ++i) {
-    feature.edges[i] = {edges[i][0], edges[i][1]};
-    if ((edges[i][0] - feature.position_m).norm() > kOnFeatureM) {
-      table.fail("edges_m",
-                 fmt::format("of \"{}\": edge {} must begin at position_m", feature.name, i));
-    }
-    if ((edges[i][1] - edges[i][0]).norm() < kOnFeatureM) {
-      table.fail("edges_m", fmt::format("of \"{}\": edge {} has no length", feature.name, i));
-    }
+  feature.parts = table.texts("parts", std::vector<std::string>{});
+  feature.reach_m = table.number("reach_m", {1e-6, 1e6}, feature.reach_m);
+  if (feature.kind == FeatureKind::kContour && feature.parts.empty()) {
+    table.fail("parts", fmt::format("of \"{}\" must name the parts whose outline it is known by",
+                                    feature.name));
   }
-  const Eigen::Vector3d a = (edges[0][1] - edges[0][0]).normalized();
-  const Eigen::Vector3d b = (edges[1][1] - edges[1][0]).normalized();
-  if (a.cross(b).norm() < kLeastSine) {
-    table.fail("edges_m", fmt::format("of \"{}\" must not be parallel", feature.name));
+  if (feature.kind != FeatureKind::kLineIntersection) return feature;
+  for (const auto& ends : table.point_lists("edges_m", 2, 2)) {
+    feature.edges.push_back({ends[0], ends[1]});
   }
+  check_edges(table, feature);
   return feature;
 }
 
@@ -86,19 +105,28 @@ void require_on_mesh(const TomlTable& table, const Target& target) {
   }
 }
 
+void check_parts(const TomlTable& table, const Mesh& mesh) {
+  std::vector<std::string> known;
+  for (const Part& part : mesh.parts) known.push_back(part.name);
+  for (const TomlTable& entry : table.tables("feature")) {
+    for (const std::string& name : entry.texts("parts", std::vector<std::string>{})) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      entry.fail("parts", fmt::format("of \"{}\" holds \"{}\", which the mesh does not have{}",
+                                      entry.text("name"), name, suggestion(name, known)));
+    }
+  }
+}
+
 std::shared_ptr<const Target> make_target(std::string name, std::string description,
                                           LoadedMesh loaded, std::vector<TargetFeature> features) {
   Occluder occluder(loaded.mesh);
-  return std::make_shared<const Target>(Target{std::move(name), std::move(description),
-                                               std::move(loaded.mesh), loaded.cleaning,
-                                               std::move(features), std::move(occluder)});
+  std::vector<FeatureShape> shapes = feature_shapes(loaded.mesh, features);
+  return std::make_shared<const Target>(
+      Target{std::move(name), std::move(description), std::move(loaded.mesh), loaded.cleaning,
+             std::move(features), std::move(occluder), std::move(shapes)});
 }
 
 }  // namespace
-
-std::string_view to_string(FeatureKind kind) {
-  return kind == FeatureKind::kCorner ? "corner" : "line_intersection";
-}
 
 bool is_self_hidden(const Target& target, const TargetFeature& feature,
                     const Pose& cam_from_target) {
@@ -114,6 +142,7 @@ std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target
   for (TargetFeature& feature : features) {
     feature.position_m *= factor;
     feature.clearance_m *= factor;
+    feature.reach_m *= factor;
     for (Edge& edge : feature.edges) edge = {edge.begin_m * factor, edge.end_m * factor};
   }
   return make_target(target->name, target->description, std::move(loaded), std::move(features));
@@ -132,8 +161,9 @@ std::shared_ptr<const Target> load_target(const std::string& name_or_path, const
   const MeshFrame mesh_frame = read_frame(mesh);
   std::vector<TargetFeature> features = read_features(table);
   table.reject_unknown_keys();
-  const auto target =
-      make_target(name, description, read_mesh(mesh_file, mesh_frame), std::move(features));
+  LoadedMesh loaded = read_mesh(mesh_file, mesh_frame);
+  check_parts(table, loaded.mesh);
+  const auto target = make_target(name, description, std::move(loaded), std::move(features));
   require_on_mesh(table, *target);
   return target;
 }

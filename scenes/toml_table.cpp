@@ -361,10 +361,11 @@ Eigen::Vector3d TomlTable::vector3(std::string_view key,
   return {values[0], values[1], values[2]};
 }
 
-std::vector<std::vector<Eigen::Vector3d>> TomlTable::point_lists(std::string_view key, size_t outer,
+std::vector<std::vector<Eigen::Vector3d>> TomlTable::point_lists(std::string_view key,
+                                                                 size_t least_outer,
                                                                  size_t inner) const {
-  const std::string rule =
-      fmt::format("{} lists of {} points, each an array of 3 finite numbers", outer, inner);
+  const std::string rule = fmt::format(
+      "{} or more lists of {} points, each an array of 3 finite numbers", least_outer, inner);
   if (!has(key)) fail(key, fmt::format("is missing ({})", rule));
   const toml::array* lists = node_->table->get(key)->as_array();
   std::vector<std::vector<Eigen::Vector3d>> out;
@@ -379,7 +380,7 @@ std::vector<std::vector<Eigen::Vector3d>> TomlTable::point_lists(std::string_vie
     if (points.size() != inner) fail(key, fmt::format("must be {}", rule));
     out.push_back(std::move(points));
   }
-  if (out.size() != outer) fail(key, fmt::format("must be {}", rule));
+  if (out.size() < least_outer) fail(key, fmt::format("must be {}", rule));
   return out;
 }
 

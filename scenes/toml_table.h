@@ -65,8 +65,9 @@ class TomlTable {
   /// each as TOML writes it.
   std::vector<std::string> literals(std::string_view key) const;
   Eigen::Vector3d vector3(std::string_view key, std::optional<Eigen::Vector3d> fallback = {}) const;
-  /// An array of points, each an array of three numbers: shape `outer` x `inner` x 3.
-  std::vector<std::vector<Eigen::Vector3d>> point_lists(std::string_view key, size_t outer,
+  /// An array of arrays of points, each an array of three numbers: shape `least_outer` or more x
+  /// `inner` x 3.
+  std::vector<std::vector<Eigen::Vector3d>> point_lists(std::string_view key, size_t least_outer,
                                                         size_t inner) const;
 
   /// The sub-table of that name; empty when absent.

@@ -7,9 +7,12 @@
 // The functions behind the catalogue in features/extractor.cpp, one a file of this folder.
 namespace sightline {
 
-void extract_hough_intersection(const cv::Mat& image, const FeaturePrediction& prediction,
-                                const ExtractorOptions& options, Observation& observation);
-void extract_shi_tomasi_nearest(const cv::Mat& image, const FeaturePrediction& prediction,
-                                const ExtractorOptions& options, Observation& observation);
+void extract_contour(const ExtractionInput& input, Observation& observation);
+void extract_harris_subpixel(const ExtractionInput& input, Observation& observation);
+void extract_hough_intersection(const ExtractionInput& input, Observation& observation);
+void extract_hough_subpixel(const ExtractionInput& input, Observation& observation);
+void extract_lsd_intersection(const ExtractionInput& input, Observation& observation);
+void extract_model_edges(const ExtractionInput& input, Observation& observation);
+void extract_shi_tomasi_nearest(const ExtractionInput& input, Observation& observation);
 
 }  // namespace sightline

@@ -34,9 +34,9 @@ double least_quality(const cv::Mat& image, const cv::Mat& mask, const CornerOpti
 
 }  // namespace
 
-void extract_shi_tomasi_nearest(const cv::Mat& image, const FeaturePrediction& prediction,
-                                const ExtractorOptions& options, Observation& observation) {
-  const CornerOptions& corner = options.corner;
+void extract_shi_tomasi_nearest(const ExtractionInput& input, Observation& observation) {
+  const cv::Mat& image = input.image;
+  const CornerOptions& corner = input.options.corner;
   // With a border of the image around the window: mirrored at its rim, an edge would make a corner.
   const int border_px = corner.block_px / 2 + kSobelAperture / 2 + 1;
   const cv::Rect& window = observation.window;
@@ -59,7 +59,7 @@ void extract_shi_tomasi_nearest(const cv::Mat& image, const FeaturePrediction& p
   for (const cv::Point2f& point : found) {
     const Eigen::Vector2d pixel = origin + Eigen::Vector2d(point.x, point.y);
     observation.corners.push_back(pixel);
-    const double distance_px = (pixel - prediction.pixel).norm();
+    const double distance_px = (pixel - input.prediction.pixel).norm();
     if (distance_px >= nearest_px) continue;
     nearest_px = distance_px;
     observation.pixel = pixel;

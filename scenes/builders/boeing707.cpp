@@ -33,6 +33,11 @@ constexpr double kDarkAlbedo = 0.05;
 
 // Beyond 35 degrees the nose's own flank hides its tip, but shows an outline in its place.
 constexpr double kNoseClearanceM = 0.5;
+// Aft of this the windshield makes the outline hollow.
+constexpr double kNoseReachM = 2.2;
+// The centre of an intake lies in the open; the cowl around it is no farther.
+constexpr double kNacelleClearanceM = 0.8;
+constexpr double kNacelleReachM = 2.0;
 
 Eigen::Vector3d along(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double t) {
   return a + t * (b - a);
@@ -207,6 +212,7 @@ Eigen::Vector3d to_port(const Eigen::Vector3d& p) {
 
 TargetFeature to_port(TargetFeature feature, std::string name) {
   feature.name = std::move(name);
+  for (std::string& part : feature.parts) part = mirrored_part_name(part);
   feature.position_m = to_port(feature.position_m);
   for (Edge& edge : feature.edges) edge = {to_port(edge.begin_m), to_port(edge.end_m)};
   return feature;
@@ -216,9 +222,25 @@ TargetFeature to_port(TargetFeature feature, std::string name) {
 void add_pair(std::vector<TargetFeature>& features, const std::string& name,
               const Eigen::Vector3d& corner, const Eigen::Vector3d& end_a,
               const Eigen::Vector3d& end_b) {
-  const TargetFeature starboard = line_intersection(name + "_starboard", corner, end_a, end_b);
+  const TargetFeature starboard =
+      line_intersection(name + "_starboard", corner, std::array{end_a, end_b});
   features.push_back(to_port(starboard, name + "_port"));
   features.push_back(starboard);
+}
+
+// The centres of the intakes, engine 1 (outboard, port) first.
+void add_nacelle_fronts(std::vector<TargetFeature>& features, const Boeing707& d) {
+  const auto front = [&](int number, double y_m) {
+    return outlined_feature(fmt::format("nacelle_front_{}", number), FeatureKind::kContour,
+                            nacelle_front(d, y_m), kNacelleClearanceM,
+                            {fmt::format("nacelle_{}", number)}, kNacelleReachM);
+  };
+  const TargetFeature inboard = front(3, d.engine_y_m[0]);
+  const TargetFeature outboard = front(4, d.engine_y_m[1]);
+  features.push_back(to_port(outboard, "nacelle_front_1"));
+  features.push_back(to_port(inboard, "nacelle_front_2"));
+  features.push_back(inboard);
+  features.push_back(outboard);
 }
 
 }  // namespace
@@ -304,16 +326,19 @@ std::vector<TargetFeature> boeing707_features(const Boeing707& d) {
   add_pair(features, "wing_tip_le", wing_le, d.wing_leading_edge(d.wing_root_y_m), wing_te);
   add_pair(features, "wing_tip_te", wing_te, kink, wing_le);
   std::swap(features[1], features[2]);  // p1 to p4: both corners of the port tip come first
-  features.push_back(corner_feature("nose", d.nose(), kNoseClearanceM));
+  features.push_back(outlined_feature(
+      "nose", FeatureKind::kCorner, d.nose(), kNoseClearanceM,
+      {"nose_cone", "fuselage_upper", "cheat_line", "fuselage_belly"}, kNoseReachM));
   add_pair(features, "kink_te", kink, wing_te, d.wing_trailing_edge(d.wing_root_y_m));
   add_pair(features, "tailplane_tip_le", tail_le, d.tailplane_leading_edge(d.tailplane_exposed_y_m),
            tail_te);
   add_pair(features, "tailplane_tip_te", tail_te, d.tailplane_trailing_edge(d.tailplane_root_y_m),
            tail_le);
-  features.push_back(
-      line_intersection("fin_tip_le", fin_le, d.fin_leading_edge(d.fin_fillet_height_m), fin_te));
-  features.push_back(
-      line_intersection("fin_tip_te", fin_te, d.fin_trailing_edge(d.fin_root_height_m), fin_le));
+  features.push_back(line_intersection(
+      "fin_tip_le", fin_le, std::array{d.fin_leading_edge(d.fin_fillet_height_m), fin_te}));
+  features.push_back(line_intersection(
+      "fin_tip_te", fin_te, std::array{d.fin_trailing_edge(d.fin_root_height_m), fin_le}));
+  add_nacelle_fronts(features, d);
   return features;
 }
 

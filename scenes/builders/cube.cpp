@@ -48,8 +48,9 @@ BuiltTarget build_cube(double edge_m) {
     cube.mesh.triangles.push_back({{a, c, d}, part, {normal, normal, normal}});
   }
   for (int i = 0; i < 8; ++i) {
-    cube.features.push_back(line_intersection(fmt::format("vertex_{}", i), corner(i, edge_m),
-                                              corner(i ^ 1, edge_m), corner(i ^ 2, edge_m)));
+    cube.features.push_back(line_intersection(
+        fmt::format("vertex_{}", i), corner(i, edge_m),
+        std::array{corner(i ^ 1, edge_m), corner(i ^ 2, edge_m), corner(i ^ 4, edge_m)}));
   }
   return cube;
 }

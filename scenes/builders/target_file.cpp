@@ -37,6 +37,10 @@ std::string to_toml(const TargetFeature& feature) {
   if (feature.clearance_m != TargetFeature{}.clearance_m) {
     text += fmt::format("clearance_m = {}\n", feature.clearance_m);
   }
+  if (!feature.parts.empty()) {
+    text += fmt::format("parts = [\"{}\"]\n", fmt::join(feature.parts, "\", \""));
+  }
+  if (std::isfinite(feature.reach_m)) text += fmt::format("reach_m = {}\n", feature.reach_m);
   if (feature.kind != FeatureKind::kLineIntersection) return text;
   text += "edges_m = [\n";
   for (const Edge& edge : feature.edges) {
@@ -57,21 +61,26 @@ std::string to_toml(const BuiltTarget& target) {
 }  // namespace
 
 TargetFeature line_intersection(std::string name, const Eigen::Vector3d& corner,
-                                const Eigen::Vector3d& end_a, const Eigen::Vector3d& end_b) {
+                                std::span<const Eigen::Vector3d> ends) {
+  std::vector<Edge> edges;
+  for (const Eigen::Vector3d& end : ends) edges.push_back({corner, end});
   return {.name = std::move(name),
           .kind = FeatureKind::kLineIntersection,
           .position_m = corner,
-          .edges = {Edge{corner, end_a}, Edge{corner, end_b}}};
+          .edges = std::move(edges),
+          .parts = {}};
 }
 
-TargetFeature corner_feature(std::string name, const Eigen::Vector3d& position_m,
-                             double clearance_m) {
-  const Edge none{position_m, position_m};
+TargetFeature outlined_feature(std::string name, FeatureKind kind,
+                               const Eigen::Vector3d& position_m, double clearance_m,
+                               std::vector<std::string> parts, double reach_m) {
   return {.name = std::move(name),
-          .kind = FeatureKind::kCorner,
+          .kind = kind,
           .position_m = position_m,
           .clearance_m = clearance_m,
-          .edges = {none, none}};
+          .edges = {},
+          .parts = std::move(parts),
+          .reach_m = reach_m};
 }
 
 void write_target(const BuiltTarget& target, const std::filesystem::path& folder) {

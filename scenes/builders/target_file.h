@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,14 +23,15 @@ struct BuiltTarget {
   std::string header{};  ///< comment lines that begin target.toml; the builders' own when empty
 };
 
-/// A feature at a corner of the target, with the far ends of the two edges that meet there.
+/// A feature at a corner of the target, with the far ends of the edges that meet there.
 TargetFeature line_intersection(std::string name, const Eigen::Vector3d& corner,
-                                const Eigen::Vector3d& end_a, const Eigen::Vector3d& end_b);
+                                std::span<const Eigen::Vector3d> ends);
 
-/// A feature without straight edges, on a surface so round that it may hide the feature itself from
-/// `clearance_m` away.
-TargetFeature corner_feature(std::string name, const Eigen::Vector3d& position_m,
-                             double clearance_m);
+/// A feature without straight edges: the rounded outline of these parts within `reach_m` of it
+/// tells where it is, and their surface may hide it from `clearance_m` away.
+TargetFeature outlined_feature(std::string name, FeatureKind kind,
+                               const Eigen::Vector3d& position_m, double clearance_m,
+                               std::vector<std::string> parts, double reach_m);
 
 /// Writes mesh.glb and target.toml into the folder, which is made if need be. The same target gives
 /// the same bytes. Throws InputError when a file cannot be written.

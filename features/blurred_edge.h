@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <optional>
+
+#include <opencv2/core/mat.hpp>
+
+#include "features/observation.h"
+
+namespace sightline {
+
+/// The stretch of a line, px along its direction from its point.
+struct Stretch {
+  double from_px;
+  double to_px;
+};
+
+/// The line moved to where the grey levels within 3 px of it look most like a straight edge
+/// between two even areas, blurred by a Gaussian of unknown width: least squares on the grey levels
+/// themselves, which for white noise is maximum likelihood. Noise of `noise_sd_grey`, or the
+/// scatter about the fit if that is more, makes its covariance. None where that fits no edge near
+/// the line: too few pixels, too little contrast, or a long way off. `image` is CV_8U.
+std::optional<ImageLine> fit_blurred_edge(const cv::Mat& image, const ImageLine& line,
+                                          const Stretch& stretch, double noise_sd_grey);
+
+}  // namespace sightline

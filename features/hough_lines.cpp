@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "features/hough_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <opencv2/imgproc.hpp>
+
+#include "features/image_line.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kSmoothingSigmaPx = 1.0;     // before Canny
+constexpr double kHoughDistancePx = 1.5;      // of an edge pixel from the Hough line it votes for
+constexpr double kRefitDistancePx = 1.0;      // of an edge pixel from the fitted line
+constexpr double kEdgeQuantisationPx = 0.29;  // 1/sqrt(12): Canny gives whole pixels
+
+struct HoughLine {
+  double distance_px;  // of the origin, along the normal
+  Eigen::Vector2d normal;
+};
+
+cv::Mat canny_edges(const cv::Mat& image, const cv::Rect& window, const LineOptions& options) {
+  // Smooth with a border of the image around the window, so that its rim makes no edges.
+  constexpr int kBorderPx = 6;
+  const cv::Rect wide = cv::Rect(window.x - kBorderPx, window.y - kBorderPx,
+                                 window.width + 2 * kBorderPx, window.height + 2 * kBorderPx) &
+                        cv::Rect({0, 0}, image.size());
+  cv::Mat smooth, edges;
+  cv::GaussianBlur(image(wide), smooth, {}, kSmoothingSigmaPx);
+  cv::Canny(smooth, edges, options.canny_low, options.canny_high, 3, /*L2gradient=*/true);
+  return edges(cv::Rect(window.tl() - wide.tl(), window.size())).clone();
+}
+
+std::vector<Eigen::Vector2d> pixels_of(const cv::Mat& edges, const cv::Rect& window) {
+  std::vector<Eigen::Vector2d> pixels;
+  for (int v = 0; v < edges.rows; ++v) {
+    for (int u = 0; u < edges.cols; ++u) {
+      if (edges.at<uint8_t>(v, u) != 0) pixels.emplace_back(window.x + u, window.y + v);
+    }
+  }
+  return pixels;
+}
+
+// Lines with enough votes, most votes first, in image coordinates.
+std::vector<HoughLine> hough_lines(const cv::Mat& edges, const cv::Rect& window, int min_votes) {
+  std::vector<cv::Vec2f> found;
+  cv::HoughLines(edges, found, /*rho=*/1, /*theta=*/kDegree, min_votes);
+  const Eigen::Vector2d origin(window.x, window.y);
+  std::vector<HoughLine> lines;
+  for (const cv::Vec2f& line : found) {
+    const Eigen::Vector2d normal(std::cos(line[1]), std::sin(line[1]));
+    lines.push_back({line[0] + normal.dot(origin), normal});
+  }
+  return lines;
+}
+
+// The edge pixels that agree with a Hough line, then with the line fitted to them.
+std::optional<ImageLine> fitted(const HoughLine& line,
+                                const std::vector<Eigen::Vector2d>& edge_pixels,
+                                const LineOptions& options) {
+  const Eigen::Vector2d on_line = line.distance_px * line.normal;
+  auto agreeing = pixels_near(edge_pixels, on_line, line.normal, kHoughDistancePx);
+  if (static_cast<int>(agreeing.size()) < options.min_edge_pixels) return std::nullopt;
+  const ImageLine first = fit_line(std::move(agreeing), kEdgeQuantisationPx);
+  const Eigen::Vector2d normal(-first.direction.y(), first.direction.x());
+  agreeing = pixels_near(edge_pixels, first.point, normal, kRefitDistancePx);
+  if (static_cast<int>(agreeing.size()) < options.min_edge_pixels) return std::nullopt;
+  return fit_line(std::move(agreeing), kEdgeQuantisationPx);
+}
+
+}  // namespace
+
+std::vector<ImageLine> strongest_lines(const ExtractionInput& input, const cv::Rect& window,
+                                       const LineOptions& options) {
+  const cv::Mat edges = canny_edges(input.image, window, options);
+  const auto edge_pixels = pixels_of(edges, window);
+  const auto lines = hough_lines(edges, window, options.min_votes);
+  const double max_sine = std::sin(options.direction_tolerance_deg * kDegree);
+  std::vector<ImageLine> found;
+  for (const Eigen::Vector2d& direction : input.prediction.edge_direction) {
+    const auto strongest = std::find_if(lines.begin(), lines.end(), [&](const HoughLine& line) {
+      if (std::abs(line.normal.dot(direction)) > max_sine) return false;
+      if (!input.options.is_gated) return true;
+      const double off_px = std::abs(line.normal.dot(input.prediction.pixel) - line.distance_px);
+      return off_px <= search_half_px(input, line.normal);
+    });
+    if (strongest == lines.end()) continue;
+    auto line = fitted(*strongest, edge_pixels, options);
+    if (line) found.push_back(std::move(*line));
+  }
+  return found;
+}
+
+}  // namespace sightline

@@ -1,0 +1,282 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "features/outline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+namespace sightline {
+namespace {
+
+// Faces that turn more make a crease, which is seen also inside the outline.
+const double kCreaseCosine = std::cos(55 * std::numbers::pi / 180);
+constexpr double kMaxOffsetPx = 4;          // of an outline from the rounded edge that makes it
+constexpr double kMaxCreaseOffsetPx = 0.3;  // a crease is its own outline
+constexpr double kParallelCosine = 0.8;     // of an outline's normal with that of its edge
+constexpr double kLookStepPx = 6;           // between samples whose visibility is looked up
+constexpr double kClearancePx = 1;          // of an outline from the surface that makes it
+constexpr double kBeyondPx = 3;             // where it is asked what lies beyond the outline
+
+// A stretch of the outline, with the target on the left of its direction as seen.
+struct Segment {
+  Eigen::Vector2d begin, end;
+  Eigen::Vector3d begin_m, end_m;
+  Eigen::Vector2d normal;  // unit, out of the target
+
+  Eigen::Vector3d at_m(double t) const { return begin_m + t * (end_m - begin_m); }
+};
+
+// Looks from the camera at the target.
+class Eye {
+ public:
+  explicit Eye(const PredictedView& view)
+      : view_(view), target_from_cam_(inverse(view.cam_from_target)) {}
+
+  const Eigen::Vector3d& position_m() const { return target_from_cam_.translation; }
+
+  std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& point_m) const {
+    return sightline::project(view_.camera, view_.cam_from_target * point_m);
+  }
+
+  double depth_m(const Eigen::Vector3d& point_m) const {
+    return (view_.cam_from_target * point_m).z();
+  }
+
+  double metres_per_px(const Eigen::Vector3d& point_m) const {
+    return (point_m - position_m()).norm() / view_.camera.fx_px;
+  }
+
+  bool sees(const Eigen::Vector3d& point_m) const {
+    return !view_.target->occluder.hides(point_m, position_m(),
+                                         kClearancePx * metres_per_px(point_m));
+  }
+
+  bool sees_target_at(const Eigen::Vector2d& pixel) const {
+    const auto ray = bearing(view_.camera, pixel);
+    if (!ray) return false;
+    const double beyond_m = 2 * position_m().norm();
+    const Eigen::Vector3d far_m = target_from_cam_ * Eigen::Vector3d(beyond_m * *ray);
+    return view_.target->occluder.hides(far_m, position_m(), 0);
+  }
+
+ private:
+  const PredictedView& view_;
+  Pose target_from_cam_;
+};
+
+const FeatureShape* shape_of(const PredictedView& view, const FeaturePrediction& prediction) {
+  if (view.target == nullptr || view.target->shapes.empty()) return nullptr;
+  return &view.target->shapes[prediction.feature];
+}
+
+// The edges of the mesh between a face turned to the eye and one turned away, near a pixel.
+std::vector<Segment> silhouette(const Eye& eye, const FeatureShape& shape,
+                                const Eigen::Vector2d& centre, double reach_px) {
+  std::vector<Segment> segments;
+  for (const MeshEdge& edge : shape.edges) {
+    const bool is_first_seen = edge.is_face_towards(0, eye.position_m());
+    const bool is_second_seen = !edge.is_open && edge.is_face_towards(1, eye.position_m());
+    if (is_first_seen == is_second_seen && !edge.is_open) continue;
+    const auto begin = eye.project(edge.begin_m);
+    const auto end = eye.project(edge.end_m);
+    if (!begin || !end) continue;
+    Segment segment{*begin, *end, edge.begin_m, edge.end_m, {}};
+    if (!is_first_seen) {
+      std::swap(segment.begin, segment.end);
+      std::swap(segment.begin_m, segment.end_m);
+    }
+    const Eigen::Vector2d along = segment.end - segment.begin;
+    const double squared_length = along.squaredNorm();
+    if (!(squared_length > 0)) continue;
+    const double nearest = std::clamp((centre - segment.begin).dot(along) / squared_length, 0., 1.);
+    if ((segment.begin + nearest * along - centre).norm() > reach_px) continue;
+    // A face turned to the eye winds counter-clockwise as seen, so that the target is on the left;
+    // v points down.
+    segment.normal = Eigen::Vector2d(-along.y(), along.x()) / std::sqrt(squared_length);
+    segments.push_back(segment);
+  }
+  return segments;
+}
+
+struct Crossing {
+  double offset_px;
+  Eigen::Vector3d point_m;
+  bool is_normal_reversed;
+};
+
+// Where the outline, running along with an edge, crosses the edge's normal at a pixel: nearest.
+std::optional<Crossing> crossing_at(const std::vector<Segment>& segments,
+                                    const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal,
+                                    double max_offset_px) {
+  const Eigen::Vector2d along(-normal.y(), normal.x());
+  std::optional<Crossing> nearest;
+  for (const Segment& segment : segments) {
+    const double cosine = segment.normal.dot(normal);
+    if (std::abs(cosine) < kParallelCosine) continue;
+    const double from = along.dot(segment.begin - pixel);
+    const double to = along.dot(segment.end - pixel);
+    if (from * to > 0 || from == to) continue;
+    const double t = from / (from - to);
+    const double offset_px = normal.dot(segment.begin + t * (segment.end - segment.begin) - pixel);
+    if (std::abs(offset_px) > (nearest ? std::abs(nearest->offset_px) : max_offset_px)) continue;
+    nearest = {offset_px, segment.at_m(t), cosine < 0};
+  }
+  return nearest;
+}
+
+// The point of a straight edge seen at a pixel of its projection.
+Eigen::Vector3d point_on(const Edge& edge, const Eye& eye, const Eigen::Vector2d& begin,
+                         const Eigen::Vector2d& direction, double along_px) {
+  // The projection of a straight line is a fraction of two linear functions of its parameter.
+  const Eigen::Vector2d end = *eye.project(edge.end_m);
+  const double length_px = direction.dot(end - begin);
+  const double near_m = eye.depth_m(edge.begin_m);
+  const double far_m = eye.depth_m(edge.end_m);
+  const double s = along_px / length_px;
+  const double t = s * near_m / (far_m + s * (near_m - far_m));
+  return edge.begin_m + t * (edge.end_m - edge.begin_m);
+}
+
+// True where another stretch of the outline runs so near that the two edges blur into one.
+bool has_neighbour(const std::vector<Segment>& segments, const Eigen::Vector2d& on_outline,
+                   const Eigen::Vector2d& normal) {
+  constexpr double kApartPx = 3.5;
+  constexpr double kItselfPx = 0.5;
+  const Eigen::Vector2d along(-normal.y(), normal.x());
+  for (const Segment& segment : segments) {
+    const double from = along.dot(segment.begin - on_outline);
+    const double to = along.dot(segment.end - on_outline);
+    if (from * to > 0 || from == to) continue;
+    const double t = from / (from - to);
+    const double across =
+        std::abs(normal.dot(segment.begin + t * (segment.end - segment.begin) - on_outline));
+    if (across > kItselfPx && across < kApartPx) return true;
+  }
+  return false;
+}
+
+// By length: a wing's tip is rounded amidst and sharp at its trailing end.
+bool is_mostly_rounded(const std::vector<MeshEdge>& edges) {
+  double rounded_m = 0;
+  double length_m = 0;
+  for (const MeshEdge& edge : edges) {
+    const double edge_m = (edge.end_m - edge.begin_m).norm();
+    length_m += edge_m;
+    if (!edge.is_open && edge.cos_turn() > kCreaseCosine) rounded_m += edge_m;
+  }
+  return 2 * rounded_m > length_m;
+}
+
+struct Looked {
+  bool is_seen = false;
+  bool borders_target = false;
+};
+
+}  // namespace
+
+PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& prediction, int edge,
+                           double gap_px, double reach_px) {
+  PredictedEdge predicted;
+  predicted.begin = prediction.pixel;
+  predicted.direction = prediction.edge_direction[edge];
+  predicted.normal = Eigen::Vector2d(-predicted.direction.y(), predicted.direction.x());
+  const FeatureShape* shape = shape_of(view, prediction);
+  if (shape == nullptr) return predicted;
+  const int index = prediction.edge[edge];
+  const Edge& own = view.target->features[prediction.feature].edges[index];
+  const Eye eye(view);
+  const auto end = eye.project(own.end_m);
+  if (!end) return predicted;
+  const double length_px = predicted.direction.dot(*end - predicted.begin);
+  const double last_px = std::min(reach_px, length_px - gap_px);
+  if (!(last_px > gap_px)) return predicted;
+
+  const std::vector<MeshEdge>& along = shape->along[index];
+  predicted.is_rounded = is_mostly_rounded(along);
+  const double max_offset_px = predicted.is_rounded ? kMaxOffsetPx : kMaxCreaseOffsetPx;
+  const auto segments = silhouette(eye, *shape, predicted.begin, last_px + kMaxOffsetPx);
+  const auto pixel_at = [&](double along_px) -> Eigen::Vector2d {
+    return predicted.begin + along_px * predicted.direction;
+  };
+  const int count = static_cast<int>(last_px - gap_px) + 1;
+  int outlined = 0;
+  int reversed = 0;
+  for (int i = 0; i < count; ++i) {
+    const auto crossing =
+        crossing_at(segments, pixel_at(gap_px + i), predicted.normal, max_offset_px);
+    outlined += crossing.has_value();
+    reversed += crossing && crossing->is_normal_reversed;
+  }
+  const bool is_outline = 2 * outlined >= count;
+  if (!is_outline) {
+    // Not on the outline: a crease between two faces that are both seen, or hidden.
+    if (predicted.is_rounded) return predicted;
+    const bool is_seen = along.empty() || (along.front().is_face_towards(0, eye.position_m()) &&
+                                           along.front().is_face_towards(1, eye.position_m()));
+    if (!is_seen) return predicted;
+  }
+  if (2 * reversed > outlined) predicted.normal = -predicted.normal;
+
+  predicted.samples.reserve(count);
+  Looked looked;
+  double look_px = gap_px;
+  for (int i = 0; i < count; ++i) {
+    const double along_px = gap_px + i;
+    const Eigen::Vector2d pixel = pixel_at(along_px);
+    double offset_px = 0;
+    Eigen::Vector3d point_m;
+    if (is_outline) {
+      const auto crossing = crossing_at(segments, pixel, predicted.normal, max_offset_px);
+      if (!crossing || crossing->is_normal_reversed) continue;
+      offset_px = crossing->offset_px;
+      point_m = crossing->point_m;
+    }
+    if (has_neighbour(segments, pixel + offset_px * predicted.normal, predicted.normal)) continue;
+    if (along_px >= look_px) {
+      look_px = along_px + kLookStepPx;
+      if (!is_outline) point_m = point_on(own, eye, predicted.begin, predicted.direction, along_px);
+      looked.is_seen = eye.sees(point_m);
+      looked.borders_target =
+          !is_outline || eye.sees_target_at(pixel + (offset_px + kBeyondPx) * predicted.normal);
+    }
+    if (looked.is_seen) predicted.samples.push_back({along_px, offset_px, looked.borders_target});
+  }
+  return predicted;
+}
+
+std::vector<OutlineSample> predict_outline(const PredictedView& view,
+                                           const FeaturePrediction& prediction, double reach_px) {
+  std::vector<OutlineSample> samples;
+  const FeatureShape* shape = shape_of(view, prediction);
+  if (shape == nullptr) return samples;
+  const Eye eye(view);
+  double to_next_px = 0.5;  // samples stay a pixel apart over the bends of the outline
+  double to_look_px = 0;
+  for (const Segment& segment : silhouette(eye, *shape, prediction.pixel, reach_px)) {
+    const Eigen::Vector2d along = segment.end - segment.begin;
+    const double length_px = along.norm();
+    Looked looked;
+    to_look_px = 0;
+    double at_px = to_next_px;
+    for (; at_px < length_px; ++at_px) {
+      const double t = at_px / length_px;
+      const Eigen::Vector2d pixel = segment.begin + t * along;
+      if ((pixel - prediction.pixel).norm() > reach_px) continue;
+      if (at_px >= to_look_px) {
+        to_look_px = at_px + kLookStepPx;
+        looked.is_seen = eye.sees(segment.at_m(t));
+        looked.borders_target = eye.sees_target_at(pixel + kBeyondPx * segment.normal);
+      }
+      if (looked.is_seen) samples.push_back({pixel, segment.normal, looked.borders_target});
+    }
+    to_next_px = at_px - length_px;
+  }
+  return samples;
+}
+
+}  // namespace sightline

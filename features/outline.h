@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What a pose expects of the target's edges around a feature: which of them are to be seen, where,
+// and on which side of them the target lies. The outline is that of the mesh itself: where an edge
+// of the target is rounded, it lies outside the edge.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "features/prediction.h"
+
+namespace sightline {
+
+/// One of a feature's two straight edges as it should be seen.
+struct PredictedEdge {
+  struct Sample {
+    double along_px;   ///< from the feature, along the edge
+    double offset_px;  ///< of the outline from the edge, along its normal
+    /// What lies beyond the outline is the target again: its shade is not the background's.
+    bool borders_target;
+  };
+  Eigen::Vector2d begin = Eigen::Vector2d::Zero();       ///< the feature's pixel
+  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit vector, away from the feature
+  Eigen::Vector2d normal = Eigen::Vector2d::UnitY();     ///< unit vector, out of the target
+  bool is_rounded = false;                               ///< its faces turn too little for a crease
+  std::vector<Sample> samples;                           ///< one a pixel, where it is to be seen
+};
+
+/// A point of the target's outline.
+struct OutlineSample {
+  Eigen::Vector2d pixel;
+  Eigen::Vector2d normal;  ///< unit vector, out of the target
+  bool borders_target;
+};
+
+/// The first or second (0, 1) of a line intersection's predicted edges, from `gap_px` to `reach_px`
+/// from the feature and no nearer than `gap_px` to its other end.
+PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& prediction, int edge,
+                           double gap_px, double reach_px);
+
+/// The outline within `reach_px` of a feature, a sample a pixel, where it is to be seen.
+std::vector<OutlineSample> predict_outline(const PredictedView& view,
+                                           const FeaturePrediction& prediction, double reach_px);
+
+}  // namespace sightline

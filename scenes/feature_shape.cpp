@@ -1,0 +1,151 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/feature_shape.h"
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+
+#include <Eigen/Geometry>
+
+namespace sightline {
+namespace {
+
+constexpr double kFlatCosine = 1 - 1e-9;  // faces that turn less make no outline
+// Of a feature's edge: a vertex of the mesh this near to it (times its length) lies on it.
+constexpr double kOnEdge = 1e-4;
+
+struct SharedEdge {
+  MeshEdge edge;
+  std::array<int, 2> part;
+};
+
+struct HalfEdge {
+  int low, high;  // vertices
+  int triangle;
+  bool is_forward;  // the triangle goes from low to high
+};
+
+std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh) {
+  std::vector<HalfEdge> halves;
+  halves.reserve(3 * mesh.triangles.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      const int from = mesh.triangles[t].vertex[i];
+      const int to = mesh.triangles[t].vertex[(i + 1) % 3];
+      halves.push_back({std::min(from, to), std::max(from, to), static_cast<int>(t), from < to});
+    }
+  }
+  std::sort(halves.begin(), halves.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  return halves;
+}
+
+// Every edge of the mesh at which it turns or ends; where more than two faces meet, the first two.
+std::vector<SharedEdge> turning_edges(const Mesh& mesh) {
+  const std::vector<HalfEdge> halves = sorted_half_edges(mesh);
+  std::vector<SharedEdge> edges;
+  for (size_t i = 0; i < halves.size();) {
+    size_t next = i + 1;
+    while (next < halves.size() && halves[next].low == halves[i].low &&
+           halves[next].high == halves[i].high) {
+      ++next;
+    }
+    const HalfEdge& first = halves[i];
+    const HalfEdge& second = next > i + 1 ? halves[i + 1] : first;
+    const Triangle& a = mesh.triangles[first.triangle];
+    const Triangle& b = mesh.triangles[second.triangle];
+    SharedEdge shared;
+    shared.edge.begin_m = mesh.vertices[first.is_forward ? first.low : first.high];
+    shared.edge.end_m = mesh.vertices[first.is_forward ? first.high : first.low];
+    shared.edge.face_normal = {face_normal(mesh, a), face_normal(mesh, b)};
+    shared.edge.is_open = next == i + 1;
+    shared.part = {a.part, b.part};
+    if (shared.edge.is_open || shared.edge.cos_turn() < kFlatCosine) edges.push_back(shared);
+    i = next;
+  }
+  return edges;
+}
+
+bool is_on(const Eigen::Vector3d& point, const Edge& edge) {
+  const Eigen::Vector3d along = edge.end_m - edge.begin_m;
+  const double length_m = along.norm();
+  const double at = (point - edge.begin_m).dot(along) / (length_m * length_m);
+  const double off_m = (point - edge.begin_m - at * along).norm();
+  return off_m <= kOnEdge * length_m && at >= -kOnEdge && at <= 1 + kOnEdge;
+}
+
+double distance_m(const Eigen::Vector3d& point, const MeshEdge& edge) {
+  const Eigen::Vector3d along = edge.end_m - edge.begin_m;
+  const double at = std::clamp((point - edge.begin_m).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  return (point - edge.begin_m - at * along).norm();
+}
+
+std::set<int> parts_named(const Mesh& mesh, const std::vector<std::string>& names) {
+  std::set<int> parts;
+  for (size_t i = 0; i < mesh.parts.size(); ++i) {
+    if (std::find(names.begin(), names.end(), mesh.parts[i].name) != names.end()) {
+      parts.insert(static_cast<int>(i));
+    }
+  }
+  return parts;
+}
+
+FeatureShape shape_of(const TargetFeature& feature, const Mesh& mesh,
+                      const std::vector<SharedEdge>& edges) {
+  FeatureShape shape;
+  std::set<int> parts = parts_named(mesh, feature.parts);
+  if (feature.kind == FeatureKind::kLineIntersection) {
+    shape.along.resize(feature.edges.size());
+    for (const SharedEdge& shared : edges) {
+      for (size_t i = 0; i < feature.edges.size(); ++i) {
+        const Edge& own = feature.edges[i];
+        if (!is_on(shared.edge.begin_m, own) || !is_on(shared.edge.end_m, own)) continue;
+        shape.along[i].push_back(shared.edge);
+        if (feature.parts.empty()) parts.insert(shared.part.begin(), shared.part.end());
+      }
+    }
+  }
+  for (std::vector<MeshEdge>& along : shape.along) {
+    std::sort(along.begin(), along.end(), [&](const MeshEdge& a, const MeshEdge& b) {
+      return distance_m(feature.position_m, a) < distance_m(feature.position_m, b);
+    });
+  }
+  double total_m = 0;
+  for (const SharedEdge& shared : edges) {
+    if (!parts.contains(shared.part[0]) && !parts.contains(shared.part[1])) continue;
+    if (distance_m(feature.position_m, shared.edge) > feature.reach_m) continue;
+    shape.edges.push_back(shared.edge);
+    const double length_m = (shared.edge.end_m - shared.edge.begin_m).norm();
+    shape.inside_m += length_m / 2 * (shared.edge.begin_m + shared.edge.end_m);
+    total_m += length_m;
+  }
+  if (total_m > 0) shape.inside_m /= total_m;
+  return shape;
+}
+
+}  // namespace
+
+std::string_view to_string(FeatureKind kind) {
+  switch (kind) {
+    case FeatureKind::kLineIntersection:
+      return "line_intersection";
+    case FeatureKind::kCorner:
+      return "corner";
+    case FeatureKind::kContour:
+      return "contour";
+  }
+  return "unknown";
+}
+
+std::vector<FeatureShape> feature_shapes(const Mesh& mesh,
+                                         const std::vector<TargetFeature>& features) {
+  std::vector<FeatureShape> shapes;
+  if (features.empty()) return shapes;
+  const std::vector<SharedEdge> edges = turning_edges(mesh);
+  for (const TargetFeature& feature : features) shapes.push_back(shape_of(feature, mesh, edges));
+  return shapes;
+}
+
+}  // namespace sightline
