@@ -45,7 +45,8 @@ std::string extractors() {
   std::vector<Line> lines;
   for (const FeatureExtractor& extractor : feature_extractors()) {
     lines.push_back({std::string(extractor.name),
-                     fmt::format("[{}] {}", to_string(extractor.kind), extractor.summary)});
+                     fmt::format("[{}] {}", extractor.needs_edges ? "line_intersection" : "any",
+                                 extractor.summary)});
   }
   return section("extractors", lines);
 }

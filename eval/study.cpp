@@ -3,6 +3,7 @@
 #include "eval/study.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
@@ -61,9 +62,18 @@ const FeatureExtractor* read_extractor(const TomlTable& table, const char* key, 
                                        const std::string& fallback) {
   std::vector<std::string> names;
   for (const FeatureExtractor& extractor : feature_extractors()) {
-    if (extractor.kind == kind) names.emplace_back(extractor.name);
+    if (extractor.finds(kind)) names.emplace_back(extractor.name);
   }
   return find_feature_extractor(table.choice(key, names, fallback));
+}
+
+// What a user would know of the sensor: its noise in the middle of the range, grey levels of 255.
+double typical_noise_sd_grey(const SceneLaw& law) {
+  const auto middle = [](const Range& range) { return (range.min + range.max) / 2; };
+  const double read = middle(law.read_noise_grey);
+  const double electrons = middle(law.full_well_electrons);
+  const double photon = electrons > 0 ? 255 * std::sqrt(0.5 / electrons) : 0;
+  return middle(law.gain) * law.noise_scale * std::hypot(read, photon);
 }
 
 void read_extraction(const TomlTable& table, ImageSetup& setup) {
@@ -71,7 +81,17 @@ void read_extraction(const TomlTable& table, ImageSetup& setup) {
       table, "line_intersection", FeatureKind::kLineIntersection, "hough_intersection");
   setup.extractors.corner =
       read_extractor(table, "corner", FeatureKind::kCorner, "shi_tomasi_nearest");
+  setup.extractors.contour = read_extractor(table, "contour", FeatureKind::kContour, "contour");
+  setup.passes = static_cast<int>(table.integer("passes", {1, 10}, 1));
+  const std::vector<std::string> removals = {"off", "wrong_light", "known_light"};
+  const std::string removal = table.choice("bias_removal", removals, removals[0]);
+  if (removal != "off") {
+    setup.bias_removal =
+        removal == "known_light" ? BiasRemoval::kKnownLight : BiasRemoval::kWrongLight;
+  }
   ExtractorOptions& options = setup.extractor_options;
+  options.search.noise_sd_grey =
+      table.number("noise_sd_grey", {0, 255}, typical_noise_sd_grey(setup.scene));
   options.window_half_px =
       static_cast<int>(table.integer("window_half_px", {4, 512}, options.window_half_px));
   LabelLimits& limits = setup.limits;

@@ -34,6 +34,14 @@ struct PaperFigure {
   double t_error_percent = 0;
 };
 
+/// Whether the last pass renders the target at the pose found and subtracts what the extractors err
+/// on that. It is an inverse crime: the same mesh and renderer made the image.
+enum class BiasRemoval {
+  kOff,
+  kWrongLight,  ///< the light's direction is off by about 18 degrees
+  kKnownLight,
+};
+
 /// What an image study's file says of its frames and of the extraction of features from them. What
 /// is swept gives every value a set-up of its own.
 struct ImageSetup {
@@ -41,6 +49,8 @@ struct ImageSetup {
   PriorError prior;
   ExtractorChoice extractors;
   ExtractorOptions extractor_options;
+  int passes = 1;  ///< of extraction; all but the first around the pose that came out before
+  BiasRemoval bias_removal = BiasRemoval::kOff;
   LabelLimits limits;
 };
 

@@ -2,22 +2,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/trial.h"
 
-#include <cmath>
+#include <utility>
 
 #include "eval/estimates.h"
 #include "eval/labels.h"
-#include "features/extractor.h"
-#include "features/prediction.h"
+#include "eval/passes.h"
 
 namespace sightline {
 namespace {
 
-FoundPoints found_points(const Study& study, const Trial& trial) {
+FoundPoints found_points(const Study& study, const Trial& trial, const Pose& looked_around) {
   FoundPoints found;
   PoseProblem& problem = found.problem;
   problem.camera = trial.scene.camera;
   if (study.start == Start::kPrior) {
-    problem.initial_cam_from_target = trial.record.prior_cam_from_target;
+    problem.initial_cam_from_target = looked_around;
   }
   for (size_t i = 0; i < trial.observations.size(); ++i) {
     const Observation& observation = trial.observations[i];
@@ -78,13 +77,12 @@ Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
   RandomStream prior_stream(study.seed, "prior", draw);
   record.prior_cam_from_target =
       draw_prior(record.true_cam_from_target, camera, setup.prior, prior_stream);
-  const auto predictions =
-      predict_features(*study.target, study.features, camera, record.prior_cam_from_target);
-  const double white = std::exp2(trial.scene.sensor.bits) - 1;
-  trial.observations = extract_features(trial.frame.image, white, predictions, setup.extractors,
-                                        setup.extractor_options);
+  Extraction extraction = extract_in_passes(study, setup, trial.scene, trial.frame.image,
+                                            record.prior_cam_from_target, renderer);
+  trial.observations = std::move(extraction.observations);
   record.observations = compare_with_truth(study, trial);
-  record.estimates = estimates_of(study, found_points(study, trial), record);
+  const FoundPoints found = found_points(study, trial, extraction.cam_from_target);
+  record.estimates = estimates_of(study, found, record);
   return trial;
 }
 

@@ -50,6 +50,9 @@ struct SearchOptions {
   double noise_sd_grey = 3;      ///< of the image, grey levels of 255, as far as it is known
   double threshold_noises = 5;   ///< an edge's gradient is at least this many times its noise
   double min_contrast_grey = 8;  ///< of target and background, to tell the sides of an edge by
+  /// Multiplies what is added to a fit's own sigma for what the fit does not know of; less than 1
+  /// where the extractor's bias is removed afterwards.
+  double floor_scale = 1;
 };
 
 struct ExtractorOptions {

@@ -20,6 +20,7 @@ constexpr double kMaxCreaseOffsetPx = 0.3;  // a crease is its own outline
 constexpr double kParallelCosine = 0.8;     // of an outline's normal with that of its edge
 constexpr double kLookStepPx = 6;           // between samples whose visibility is looked up
 constexpr double kClearancePx = 1;          // of an outline from the surface that makes it
+constexpr double kBevelPx = 4;              // the widest that blurs into its edge
 constexpr double kBeyondPx = 3;             // where it is asked what lies beyond the outline
 
 // A stretch of the outline, with the target on the left of its direction as seen.
@@ -197,8 +198,10 @@ PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& p
   if (!(last_px > gap_px)) return predicted;
 
   const std::vector<MeshEdge>& along = shape->along[index];
-  predicted.is_rounded = is_mostly_rounded(along);
-  const double max_offset_px = predicted.is_rounded ? kMaxOffsetPx : kMaxCreaseOffsetPx;
+  const bool is_rounded = is_mostly_rounded(along);
+  predicted.is_soft =
+      is_rounded || shape->bevel_m[index] < kBevelPx * eye.metres_per_px(own.begin_m);
+  const double max_offset_px = is_rounded ? kMaxOffsetPx : kMaxCreaseOffsetPx;
   const auto segments = silhouette(eye, *shape, predicted.begin, last_px + kMaxOffsetPx);
   const auto pixel_at = [&](double along_px) -> Eigen::Vector2d {
     return predicted.begin + along_px * predicted.direction;
@@ -215,10 +218,11 @@ PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& p
   const bool is_outline = 2 * outlined >= count;
   if (!is_outline) {
     // Not on the outline: a crease between two faces that are both seen, or hidden.
-    if (predicted.is_rounded) return predicted;
+    if (is_rounded) return predicted;
     const bool is_seen = along.empty() || (along.front().is_face_towards(0, eye.position_m()) &&
                                            along.front().is_face_towards(1, eye.position_m()));
     if (!is_seen) return predicted;
+    predicted.is_crease = true;
   }
   if (2 * reversed > outlined) predicted.normal = -predicted.normal;
 

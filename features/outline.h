@@ -25,8 +25,10 @@ struct PredictedEdge {
   Eigen::Vector2d begin = Eigen::Vector2d::Zero();       ///< the feature's pixel
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit vector, away from the feature
   Eigen::Vector2d normal = Eigen::Vector2d::UnitY();     ///< unit vector, out of the target
-  bool is_rounded = false;                               ///< its faces turn too little for a crease
-  std::vector<Sample> samples;                           ///< one a pixel, where it is to be seen
+  /// Within a few pixels of it the target is shaded otherwise: it is rounded, or bevelled.
+  bool is_soft = false;
+  bool is_crease = false;       ///< inside the outline, between two faces that are both seen
+  std::vector<Sample> samples;  ///< one a pixel, where it is to be seen
 };
 
 /// A point of the target's outline.

@@ -3,6 +3,9 @@
 #include "scenes/feature_shape.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
 #include <set>
 #include <tuple>
 
@@ -92,6 +95,24 @@ std::set<int> parts_named(const Mesh& mesh, const std::vector<std::string>& name
   return parts;
 }
 
+double bevel_m(const Edge& own, const std::vector<MeshEdge>& edges) {
+  constexpr double kParallelCosine = 0.9;
+  const double turn_cosine = std::cos(10 * std::numbers::pi / 180);
+  const Eigen::Vector3d along = own.end_m - own.begin_m;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const MeshEdge& edge : edges) {
+    const Eigen::Vector3d direction = (edge.end_m - edge.begin_m).normalized();
+    if (std::abs(direction.dot(along)) < kParallelCosine * along.norm()) continue;
+    if (edge.cos_turn() > turn_cosine || is_on(edge.begin_m, own) || is_on(edge.end_m, own)) {
+      continue;
+    }
+    for (const double t : {0.25, 0.5, 0.75}) {
+      least_m = std::min(least_m, distance_m(own.begin_m + t * along, edge));
+    }
+  }
+  return least_m;
+}
+
 FeatureShape shape_of(const TargetFeature& feature, const Mesh& mesh,
                       const std::vector<SharedEdge>& edges) {
   FeatureShape shape;
@@ -122,6 +143,7 @@ FeatureShape shape_of(const TargetFeature& feature, const Mesh& mesh,
     total_m += length_m;
   }
   if (total_m > 0) shape.inside_m /= total_m;
+  for (const Edge& own : feature.edges) shape.bevel_m.push_back(bevel_m(own, shape.edges));
   return shape;
 }
 

@@ -67,6 +67,9 @@ struct FeatureShape {
   std::vector<MeshEdge> edges;  ///< of the feature's parts, where they turn
   /// On each of the feature's own edges, nearest first.
   std::vector<std::vector<MeshEdge>> along;
+  /// Beside each of the feature's own edges, the distance to the nearest parallel one at which the
+  /// mesh turns: the width of a bevel, whose shade is its own.
+  std::vector<double> bevel_m;
   Eigen::Vector3d inside_m = Eigen::Vector3d::Zero();  ///< a point amidst these edges
 };
 

@@ -155,17 +155,25 @@ mustache::data condition_groups(const ReportInput& input) {
   return groups;
 }
 
-std::string extractor_names(const ExtractorChoice& choice) {
+std::string extractor_names(const ImageSetup& setup) {
   std::string text;
-  if (choice.line_intersection != nullptr) {
-    text += fmt::format("{} ({}) for line intersections", choice.line_intersection->name,
-                        choice.line_intersection->summary);
+  const auto add = [&](const FeatureExtractor* extractor, const char* what) {
+    if (extractor == nullptr) return;
+    text += fmt::format("{}{} ({}) for {}", text.empty() ? "" : ", ", extractor->name,
+                        extractor->summary, what);
+  };
+  add(setup.extractors.line_intersection, "line intersections");
+  add(setup.extractors.corner, "corners");
+  add(setup.extractors.contour, "contours");
+  if (text.empty()) return "none";
+  if (setup.passes > 1) text += fmt::format("; {} passes", setup.passes);
+  if (setup.bias_removal != BiasRemoval::kOff) {
+    text += fmt::format(
+        ". Of each the error that it makes on a rendering of the same mesh at the pose found, with "
+        "{} light, was subtracted: an inverse crime, which no real image allows to this degree",
+        setup.bias_removal == BiasRemoval::kKnownLight ? "the true" : "a wrong");
   }
-  if (choice.corner != nullptr) {
-    text += fmt::format("{}{} ({}) for corners", text.empty() ? "" : ", ", choice.corner->name,
-                        choice.corner->summary);
-  }
-  return text.empty() ? "none" : text;
+  return text;
 }
 
 }  // namespace
@@ -179,7 +187,7 @@ std::string extraction_figure(const ReportInput& input) {
                               counted(static_cast<int64_t>(input.trials.size()), "trial"))},
       {"features", features},
       {"outlier_px", fmt::to_string(input.study.setups.front().limits.outlier_px)},
-      {"extractors", extractor_names(input.study.setups.front().extractors)},
+      {"extractors", extractor_names(input.study.setups.front())},
       {"has_conditions", input.study.conditions.size() > 1},
       {"conditions", condition_groups(input)},
   });

@@ -202,7 +202,8 @@ void extract_contour(const ExtractionInput& input, Observation& observation) {
   }
   observation.contour = fit->edge_pixels;
   observation.contrast_grey = fit->gradient / kGradientOfUnitEdge;
-  const double floor = floor_px(input.prediction.kind, observation.contrast_grey, polarity);
+  const double floor =
+      options.floor_scale * floor_px(input.prediction.kind, observation.contrast_grey, polarity);
   observation.covariance_px2 =
       fit->covariance.topLeftCorner<2, 2>() + floor * floor * Eigen::Matrix2d::Identity();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(observation.covariance_px2);

@@ -26,6 +26,7 @@ constexpr std::array kRoundsPx = {1.8, 1.3, 1.0, 0.8};  // of a peak from the li
 // Neighbouring samples share what smoothing and blur spread: so many are worth one.
 constexpr double kSamplesOfOne = 3;
 constexpr double kLeastScatterPx = 0.05;
+constexpr double kOtherPartPx = 0.8;  // more sigma for an edge against another part of the target
 
 struct SamplePeaks {
   double along_px;
@@ -148,13 +149,20 @@ std::optional<FittedLine> fitted(const std::vector<SamplePeaks>& samples, double
 // What the fit does not know of, measured on airliners under many lights. Shading across a rounded
 // edge moves its image: inwards and by more the darker its limb, against a darker background; less
 // against a brighter one.
-double floor_px(bool is_rounded, double contrast_grey, int polarity) {
+double floor_px(bool is_soft, double contrast_grey, int polarity) {
   constexpr double kMostPx = 1.5;
-  if (!is_rounded) return std::min(kMostPx, std::hypot(0.02, 3 / contrast_grey));
-  const double against_bright = 3 / std::sqrt(contrast_grey);
-  const double against_dark = 280 / std::pow(contrast_grey, 1.5);
+  if (!is_soft) return std::min(kMostPx, std::hypot(0.012, 1.7 / contrast_grey));
+  const double against_bright = 2.4 / std::sqrt(contrast_grey);
+  const double against_dark = 170 / std::pow(contrast_grey, 1.5);
   if (polarity > 0) return std::min(kMostPx, against_bright);
   return std::min(kMostPx, against_dark);
+}
+
+// True where mostly another part of the target is behind the outline, whose own edges are near.
+bool borders_other_part(const PredictedEdge& edge) {
+  const auto bordering = std::count_if(edge.samples.begin(), edge.samples.end(),
+                                       [](const auto& sample) { return sample.borders_target; });
+  return !edge.is_crease && 2 * bordering > static_cast<std::ptrdiff_t>(edge.samples.size());
 }
 
 std::optional<ImageLine> find_line(const ExtractionInput& input, const GradientWindow& gradients,
@@ -183,7 +191,8 @@ std::optional<ImageLine> find_line(const ExtractionInput& input, const GradientW
   line.rms_px = fit->rms_px;
   line.contrast_grey = contrast_grey;
   line.covariance = fit->covariance;
-  const double floor = floor_px(edge.is_rounded, contrast_grey, polarity);
+  const double floor = options.floor_scale * floor_px(edge.is_soft, contrast_grey, polarity) +
+                       (borders_other_part(edge) ? kOtherPartPx : 0);
   line.covariance(0, 0) += floor * floor;
   // ImageLine counts offsets along its direction turned by a right angle.
   const bool is_turned =

@@ -72,7 +72,9 @@ FeaturePrediction corner_prediction(const Eigen::Vector2d& pixel) {
 Observation extract(const cv::Mat& image, const FeaturePrediction& prediction, double white = 255) {
   const ExtractorChoice choice = {find_feature_extractor("hough_intersection"),
                                   find_feature_extractor("shi_tomasi_nearest")};
-  return extract_features(image, white, std::array{prediction}, choice, {}).front();
+  PredictedView view;
+  view.features = {prediction};
+  return extract_features(image, white, view, choice, {}).front();
 }
 
 TEST(HoughIntersection, FindsTheTipOfAWedge) {

@@ -17,7 +17,7 @@ TEST(Prediction, IsTheProjectionOfThePriorPose) {
   const Pose prior = {rotation_from_vector({0.3, -0.4, 0.2}), {0.5, -0.3, 50}};
   std::vector<int> features(cube->features.size());
   std::iota(features.begin(), features.end(), 0);
-  const auto predictions = predict_features(*cube, features, camera, prior);
+  const auto predictions = predict_features(*cube, features, camera, {prior}).features;
   ASSERT_EQ(predictions.size(), features.size());
   int hidden = 0;
   for (const FeaturePrediction& prediction : predictions) {
@@ -26,7 +26,7 @@ TEST(Prediction, IsTheProjectionOfThePriorPose) {
     EXPECT_LT((prediction.pixel - *project(camera, prior * feature.position_m)).norm(), 1e-12);
     for (int i = 0; i < 2; ++i) {
       // Far along a straight edge the direction is still that of its projection.
-      const Eigen::Vector2d end = *project(camera, prior * feature.edges[i].end_m);
+      const Eigen::Vector2d end = *project(camera, prior * feature.edges[prediction.edge[i]].end_m);
       const Eigen::Vector2d along = (end - prediction.pixel).normalized();
       EXPECT_GT(along.dot(prediction.edge_direction[i]), 1 - 1e-9);
     }
@@ -39,7 +39,8 @@ TEST(Prediction, BehindTheCameraThereIsNothingToPredict) {
   const auto cube = load_target("cube");
   const Pose behind = {Eigen::Matrix3d::Identity(), {0, 0, -50}};
   const auto predictions =
-      predict_features(*cube, std::vector<int>{0}, centred_camera(512, 512, 5000), behind);
+      predict_features(*cube, std::vector<int>{0}, centred_camera(512, 512, 5000), {behind})
+          .features;
   EXPECT_FALSE(predictions[0].is_in_front);
 }
 
