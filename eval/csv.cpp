@@ -91,6 +91,7 @@ std::set<std::string> condition_keys(const Study& study) {
   std::set<std::string> keys;
   for (const Condition& condition : study.conditions) {
     for (const auto& [key, value] : condition.values) keys.insert(key);
+    for (const auto& [key, word] : condition.words) keys.insert(key);
   }
   return keys;
 }
@@ -143,7 +144,12 @@ void write_condition(Line& line, const Condition& condition, const std::set<std:
   line << trial.trial << condition.label;
   for (const std::string& key : keys) {
     const auto value = condition.values.find(key);
-    value != condition.values.end() ? line << value->second : line << "";
+    const auto word = condition.words.find(key);
+    if (value != condition.values.end()) {
+      line << value->second;
+    } else {
+      line << (word != condition.words.end() ? word->second : "");
+    }
   }
 }
 

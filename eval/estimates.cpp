@@ -65,7 +65,7 @@ EstimateRecord solve(const Study& study, const PoseSolver& solver, const FoundPo
   out.t_error_percent = 100 * translation_error_fraction(pose.translation, truth.translation);
   out.geodesic_deg = geodesic_angle_rad(pose.rotation, truth.rotation) / kDegree;
   out.reprojection_rms_px = reprojection_rms_px(problem, estimate);
-  const VertexErrors errors = vertex_errors(study.target->mesh, study.camera, pose, truth);
+  const VertexErrors errors = vertex_errors(study.target->mesh, problem.camera, pose, truth);
   out.add_m = errors.add_m;
   out.mssd_m = errors.mssd_m;
   out.mspd_px = errors.mspd_px;

@@ -133,8 +133,8 @@ void read_numeric_study(const TomlTable& table, Study& study) {
   if (poses.has("angle_deg")) {
     study.poses.drawn_angle_deg = read_range(poses, "angle_deg", {-180, 180});
   }
-  read_position_ranges(poses, study);
-  read_prior(table.table("prior"), study);
+  read_position_ranges(poses, study.poses);
+  study.prior = read_prior(table.table("prior"));
   read_solvers(table, "free", study);
   const std::vector<std::string> sigmas = {"unknown", "known"};
   study.is_sigma_known = table.table("solver").choice("sigma", sigmas, sigmas[0]) == sigmas[1];

@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "eval/estimates.h"
-#include "eval/pose_law.h"
 
 namespace sightline {
 namespace {

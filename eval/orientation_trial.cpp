@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "eval/pose_law.h"
 #include "eval/summary.h"
 #include "pose/attitude.h"
+#include "scenes/scene_law.h"
 
 namespace sightline {
 namespace {

@@ -3,20 +3,18 @@
 #include "eval/study.h"
 
 #include <algorithm>
-#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "eval/study_keys.h"
-#include "pose/attitude.h"
 #include "scenes/assets.h"
 #include "scenes/input_error.h"
 
 namespace sightline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMaxTrials = 10'000'000;
 
 std::map<std::string, PaperFigure> read_paper_figures(const TomlTable& table) {
@@ -31,62 +29,6 @@ std::map<std::string, PaperFigure> read_paper_figures(const TomlTable& table) {
     figures[solver] = {pair[0], pair[1]};
   }
   return figures;
-}
-
-void read_fixed_poses(const std::vector<TomlTable>& fixed, Study& study) {
-  for (size_t i = 0; i < fixed.size(); ++i) {
-    study.poses.theta_deg.push_back(fixed[i].vector3("theta_deg"));
-    study.poses.t_m.push_back(fixed[i].vector3("t_m"));
-    study.conditions.push_back({.label = fmt::format("pose {}", i + 1),
-                                .values = {{"pose", static_cast<double>(i + 1)}},
-                                .paper = read_paper_figures(fixed[i].table("paper"))});
-  }
-}
-
-void read_poses(const TomlTable& table, Study& study) {
-  const auto fixed = table.tables("fixed");
-  PoseLaw& law = study.poses;
-  law.lateral_jitter_m = table.number("lateral_jitter_m", {0, 1e6}, 0.0);
-  law.max_redraws = static_cast<int>(table.integer("max_redraws", {0, 100000}, law.max_redraws));
-  if (!fixed.empty()) {
-    for (const char* key : {"angle_deg", "lateral_m", "range_m", "max_redraws"}) {
-      if (table.has(key))
-        table.fail(key, "cannot stand beside [[poses.fixed]]: give one or the other");
-    }
-    read_fixed_poses(fixed, study);
-    return;
-  }
-  if (!table.has("range_m")) {
-    table.fail("fixed",
-               "is missing: give [[poses.fixed]], or the ranges angle_deg, lateral_m and "
-               "range_m to draw from");
-  }
-  if (table.has("lateral_jitter_m")) table.fail("lateral_jitter_m", "belongs to [[poses.fixed]]");
-  law.drawn_angle_deg = read_range(table, "angle_deg", {-180, 180});
-  read_position_ranges(table, study);
-  study.conditions.push_back({.label = "all", .values = {}, .paper = {}});
-}
-
-void read_image(const TomlTable& image, const TomlTable& noise, Study& study) {
-  study.samples_per_pixel = static_cast<int>(image.integer("samples_per_pixel", {1, 64}, 16));
-  const std::set<int> allowed = {1, 4, 16, 64};
-  if (!allowed.contains(study.samples_per_pixel)) {
-    image.fail("samples_per_pixel",
-               fmt::format("is {}, must be 1, 4, 16 or 64", study.samples_per_pixel));
-  }
-  study.background = image.number("background", {0, 1}, 0.15);
-  study.sensor.psf_sigma_px = image.number("psf_sigma_px", {0, 50}, 0.7);
-  study.sensor.bits = static_cast<int>(image.integer("bits", {1, 16}, 8));
-  const double scale = noise.number("scale", {0, 1000}, 1.0);
-  study.sensor.read_noise_grey = scale * noise.number("read_noise_grey", {0, 255}, 3.0);
-  const double electrons = noise.number("full_well_electrons", {0, 1e9}, 0.0);
-  study.sensor.full_well_electrons = scale > 0 ? electrons / (scale * scale) : 0;
-}
-
-void read_light(const TomlTable& table, Study& study) {
-  study.light.ambient = table.number("ambient", {0, 1}, 0.30);
-  study.light.directional = table.number("directional", {0, 1}, 0.75);
-  study.light_cone_deg = table.number("cone_deg", {0, 180}, 45.0);
 }
 
 void read_outlier_options(const TomlTable& table, OutlierOptions& options) {
@@ -108,15 +50,15 @@ const FeatureExtractor* read_extractor(const TomlTable& table, const char* key, 
   return find_feature_extractor(table.choice(key, names, fallback));
 }
 
-void read_extraction(const TomlTable& table, Study& study) {
-  study.extractors.line_intersection = read_extractor(
+void read_extraction(const TomlTable& table, ImageSetup& setup) {
+  setup.extractors.line_intersection = read_extractor(
       table, "line_intersection", FeatureKind::kLineIntersection, "hough_intersection");
-  study.extractors.corner =
+  setup.extractors.corner =
       read_extractor(table, "corner", FeatureKind::kCorner, "shi_tomasi_nearest");
-  ExtractorOptions& options = study.extractor_options;
+  ExtractorOptions& options = setup.extractor_options;
   options.window_half_px =
       static_cast<int>(table.integer("window_half_px", {4, 512}, options.window_half_px));
-  study.outlier_px = table.number("outlier_px", {0.01, 1000}, 5.0);
+  setup.outlier_px = table.number("outlier_px", {0.01, 1000}, 5.0);
 
   const TomlTable lines = table.table("lines");
   LineOptions& line = options.line;
@@ -167,20 +109,6 @@ void read_features(const TomlTable& table, Study& study) {
   if (study.features.empty()) table.fail("features", "is empty, must name at least one");
 }
 
-// A given pose that cannot be imaged is the user's error, not a failed trial.
-void require_imageable(const TomlTable& table, const Study& study) {
-  for (size_t i = 0; i < study.poses.t_m.size(); ++i) {
-    const Eigen::Vector3d theta = study.poses.theta_deg[i] * kDegree;
-    Scene scene;
-    scene.target = study.target;
-    scene.camera = study.camera;
-    scene.cam_from_target = {rotation_from_attitude({theta.x(), theta.y(), theta.z()}),
-                             study.poses.t_m[i]};
-    const std::string reason = why_not_imageable(scene);
-    if (!reason.empty()) table.fail(fmt::format("fixed[{}]", i), "cannot be imaged: " + reason);
-  }
-}
-
 std::vector<std::string> settings_of(const StudyOverrides& overrides) {
   std::vector<std::string> settings = overrides.set;
   if (overrides.trials) settings.push_back(fmt::format("trials={}", *overrides.trials));
@@ -196,18 +124,114 @@ void require_file_name(const TomlTable& table, const std::string& name) {
   }
 }
 
+ImageSetup read_setup(const TomlTable& table, const Study& study) {
+  ImageSetup setup;
+  setup.scene = read_scene_law(table, study.target, study.features);
+  setup.prior = read_prior(table.table("prior"));
+  read_extraction(table.table("extraction"), setup);
+  return setup;
+}
+
+// A key that is swept, and the values it takes, as TOML writes them.
+struct SweptKey {
+  std::string key;
+  std::vector<std::string> values;
+};
+
+std::vector<SweptKey> read_sweep(const TomlTable& sweep) {
+  constexpr size_t kMostCells = 10'000;
+  std::vector<SweptKey> swept;
+  size_t cells = 1;
+  for (const std::string& key : sweep.keys()) {
+    const std::string table = key.substr(0, key.find('.'));
+    const std::vector<std::string> tables = {"camera", "image",     "background", "noise",
+                                             "light",  "livery",    "motion",     "other",
+                                             "prior",  "extraction"};
+    if (table == key || std::find(tables.begin(), tables.end(), table) == tables.end()) {
+      sweep.fail(key, fmt::format("cannot be swept, must be a quoted key of [{}], such as "
+                                  "\"background.level\"",
+                                  fmt::join(tables, "], [")));
+    }
+    swept.push_back({key, sweep.literals(key)});
+    cells *= swept.back().values.size();
+    if (cells > kMostCells) sweep.fail(key, fmt::format("makes over {} cells", kMostCells));
+  }
+  return swept;
+}
+
+// Notes a swept value in a cell's condition.
+void add_value(Condition& condition, const std::string& key, const std::string& literal) {
+  const TomlTable value = TomlTable::read_text("value = " + literal, key);
+  const bool is_number = literal.find_first_not_of("+-.0123456789e_") == std::string::npos;
+  if (is_number) {
+    condition.values[key] = value.number("value");
+  } else {
+    condition.words[key] =
+        literal.front() == '\'' || literal.front() == '"' ? value.text("value") : literal;
+  }
+  const std::string shown = is_number ? literal : condition.words[key];
+  condition.label += fmt::format("{}{} {}", condition.label.empty() ? "" : ", ", key, shown);
+}
+
+// The cells of one set-up: one for every given pose, or one for all drawn ones.
+void add_conditions(const TomlTable& table, const Condition& swept, Study& study) {
+  const auto fixed = table.table("poses").tables("fixed");
+  Condition cell = swept;
+  cell.setup = static_cast<int>(study.setups.size()) - 1;
+  if (fixed.empty()) {
+    if (cell.label.empty()) cell.label = "all";
+    study.conditions.push_back(cell);
+  }
+  for (size_t i = 0; i < fixed.size(); ++i) {
+    Condition& given = study.conditions.emplace_back(cell);
+    given.pose = static_cast<int>(i);
+    given.label = fmt::format("pose {}{}{}", i + 1, cell.label.empty() ? "" : ", ", cell.label);
+    given.values["pose"] = static_cast<double>(i + 1);
+    if (cell.label.empty()) given.paper = read_paper_figures(fixed[i].table("paper"));
+  }
+}
+
+// One set-up for every combination of swept values; the last key's values run fastest.
+void read_setups(const TomlTable& table, Study& study) {
+  const std::vector<SweptKey> swept = read_sweep(table.table("sweep"));
+  std::vector<size_t> at(swept.size(), 0);
+  for (bool has_more = true; has_more;) {
+    Condition condition;
+    std::vector<std::string> settings;
+    for (size_t k = 0; k < swept.size(); ++k) {
+      const std::string& value = swept[k].values[at[k]];
+      settings.push_back(fmt::format("{}={}", swept[k].key, value));
+      add_value(condition, swept[k].key, value);
+    }
+    const TomlTable set =
+        swept.empty() ? table : TomlTable::read_text(table.to_toml(), table.file(), settings);
+    study.setups.push_back(read_setup(set, study));
+    // Swept keys are checked as others are; those that nobody reads are unknown.
+    for (const char* part : {"camera", "image", "background", "noise", "light", "livery", "motion",
+                             "prior", "extraction"}) {
+      set.table(part).reject_unknown_keys();
+    }
+    for (const TomlTable& other : set.tables("other")) other.reject_unknown_keys();
+    add_conditions(table, condition, study);
+    has_more = false;
+    for (size_t k = swept.size(); k-- > 0 && !has_more;) {
+      has_more = ++at[k] < swept[k].values.size();
+      if (!has_more) at[k] = 0;
+    }
+  }
+}
+
 void read_image_study(const TomlTable& table, Study& study) {
-  study.camera = read_camera(table.table("camera"));
-  const TomlTable poses = table.table("poses");
-  read_poses(poses, study);
-  read_image(table.table("image"), table.table("noise"), study);
-  read_light(table.table("light"), study);
-  read_prior(table.table("prior"), study);
-  read_extraction(table.table("extraction"), study);
   read_solvers(table, "prior", study);
   read_target_and_features(table, study);
-  table.reject_unknown_keys();
-  require_imageable(poses, study);
+  read_setups(table, study);
+  if (study.setups.size() > 1) read_setup(table, study);  // the keys as they stand are read too
+  study.camera = study.setups.front().scene.camera;
+  study.prior = study.setups.front().prior;
+  study.poses = study.setups.front().scene.poses;
+  for (size_t i = 0; i < study.poses.t_m.size(); ++i) {
+    read_paper_figures(table.table("poses").tables("fixed")[i].table("paper"));
+  }
 }
 
 StudyKind read_kind(const TomlTable& table) {
@@ -255,30 +279,10 @@ size_t index_of(const std::string& name, const std::vector<std::string>& names,
   return static_cast<size_t>(found - names.begin());
 }
 
-Camera read_camera(const TomlTable& table) {
-  const int width = static_cast<int>(table.integer("width_px", {16, 16384}, 512));
-  const int height = static_cast<int>(table.integer("height_px", {16, 16384}, 512));
-  return centred_camera(width, height, table.number("f_px", {1, 1e7}));
-}
-
-PoseLaw::Range read_range(const TomlTable& table, const char* key, PoseLaw::Range allowed) {
-  const std::vector<double> ends = table.numbers(key, 2);
-  if (!(ends[0] <= ends[1]) || ends[0] < allowed.min || ends[1] > allowed.max) {
-    table.fail(key, fmt::format("is [{}, {}], must be [low, high] between {} and {}", ends[0],
-                                ends[1], allowed.min, allowed.max));
-  }
-  return {ends[0], ends[1]};
-}
-
-void read_position_ranges(const TomlTable& poses, Study& study) {
-  study.poses.drawn_lateral_m = read_range(poses, "lateral_m", {-1e6, 1e6});
-  study.poses.drawn_range_m = read_range(poses, "range_m", {1e-3, 1e9});
-}
-
-void read_prior(const TomlTable& table, Study& study) {
-  study.prior.attitude_deg = table.number("attitude_deg", {0, 90}, 2.0);
-  study.prior.range_fraction = table.number("range_percent", {0, 20}, 1.0) / 100;
-  study.prior.lateral_px = table.number("lateral_px", {0, 1000}, 3.0);
+PriorError read_prior(const TomlTable& table) {
+  return {.attitude_deg = table.number("attitude_deg", {0, 90}, 2.0),
+          .range_fraction = table.number("range_percent", {0, 20}, 1.0) / 100,
+          .lateral_px = table.number("lateral_px", {0, 1000}, 3.0)};
 }
 
 void read_solvers(const TomlTable& table, const std::string& default_start, Study& study) {

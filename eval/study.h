@@ -14,7 +14,7 @@
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
 #include "pose/solver.h"
-#include "scenes/scene.h"
+#include "scenes/scene_law.h"
 #include "scenes/target.h"
 
 namespace sightline {
@@ -32,33 +32,29 @@ struct PaperFigure {
   double t_error_percent = 0;
 };
 
-/// One cell of a study: what all its trials share. Poses are drawn about `theta_deg` and `t_m`.
+/// What an image study's file says of its frames and of the extraction of features from them. What
+/// is swept gives every value a set-up of its own.
+struct ImageSetup {
+  SceneLaw scene;
+  PriorError prior;
+  ExtractorChoice extractors;
+  ExtractorOptions extractor_options;
+  double outlier_px = 5;  ///< an observation farther from the truth is an outlier
+};
+
+/// One cell of a study: what all its trials share.
 struct Condition {
-  std::string label;                         ///< "pose 1", or "all" where a study has one cell
-  std::map<std::string, double> values;      ///< as summary.json states it: {"pose": 1}
-  std::map<std::string, PaperFigure> paper;  ///< by solver
+  std::string label;                           ///< "pose 1", or "all" where a study has one cell
+  std::map<std::string, double> values;        ///< as summary.json states it: {"pose": 1}
+  std::map<std::string, PaperFigure> paper{};  ///< by solver
+  std::map<std::string, std::string> words{};  ///< as `values`: swept keys that are no numbers
+  // In an image study.
+  int setup = 0;  ///< index into the study's
+  int pose = 0;   ///< index into the given poses; means nothing where they are drawn
   // What numeric and orientation studies apply in this cell.
   double noise_sd = 0;  ///< of each coordinate, pixels or metres; noise.scale applied
   int outliers = 0;     ///< points of a trial that are displaced
   int points = 0;       ///< of an orientation study's trial
-};
-
-/// A pose that is given, or the ranges that poses are drawn from (uniform, in the study's units).
-struct PoseLaw {
-  struct Range {
-    double min = 0;
-    double max = 0;
-  };
-  /// By condition; empty where poses are drawn. Pitch, yaw, roll in degrees; metres.
-  std::vector<Eigen::Vector3d> theta_deg;
-  std::vector<Eigen::Vector3d> t_m;
-  /// Added to both lateral coordinates of a given pose, uniform in +-.
-  double lateral_jitter_m = 0;
-  bool is_attitude_uniform = false;  ///< uniform on SO(3), and drawn_angle_deg means nothing
-  Range drawn_angle_deg;             ///< each of the three angles
-  Range drawn_lateral_m;             ///< x and y of the target's origin
-  Range drawn_range_m;               ///< z of the target's origin
-  int max_redraws = 100;             ///< of a drawn pose with a feature outside the image
 };
 
 /// Where the solvers start.
@@ -77,7 +73,7 @@ enum class OutlierLaw {
 
 struct PlantedOutliers {
   OutlierLaw law = OutlierLaw::kUniform;
-  PoseLaw::Range size_px{15, 30};
+  Range size_px{15, 30};
 };
 
 /// What an orientation study draws: points uniform in a cube about the origin, three uniform Euler
@@ -111,18 +107,11 @@ struct Study {
   PoseLaw poses;
 
   std::shared_ptr<const Target> target;
-  std::vector<int> features;  ///< indices into the target's features
-  Camera camera;
-  Light light;                 ///< its direction is drawn
-  double light_cone_deg = 45;  ///< about the direction from the target to the camera
-  double background = 0.15;
-  Sensor sensor;  ///< noise.scale applied
-  int samples_per_pixel = 16;
-  PriorError prior;
-  ExtractorChoice extractors;
-  ExtractorOptions extractor_options;
+  std::vector<int> features;       ///< indices into the target's features
+  std::vector<ImageSetup> setups;  ///< of an image study: one, or one for every swept value
+  Camera camera;                   ///< of a numeric study; of the first set-up
+  PriorError prior;                ///< alike
   Start start = Start::kPrior;
-  double outlier_px = 5;  ///< an observation farther from the truth is an outlier
   std::vector<const PoseSolver*> solvers;
   SolverOptions solver_options;
 
@@ -134,12 +123,25 @@ struct Study {
 
   std::string toml;  ///< the file as run, overrides applied
 
+  const ImageSetup& setup_of(int condition) const { return setups[conditions[condition].setup]; }
+  /// The camera of a cell's trials.
+  const Camera& camera_of(int condition) const {
+    return setups.empty() ? camera : setup_of(condition).scene.camera;
+  }
+
   /// The names of the solvers or, in an orientation study, of the methods.
   std::vector<std::string> solver_names() const;
 
   int64_t trial_count() const { return static_cast<int64_t>(draws) * conditions.size(); }
   /// Trials are numbered draw by draw, so that a smaller study is the beginning of a larger one.
   int condition_of(int64_t trial) const { return static_cast<int>(trial % conditions.size()); }
+  /// The number that keys the random draws of an image study's trial: set-ups share their draws, so
+  /// that what is swept is all that differs between them.
+  int64_t draw_of(int64_t trial) const {
+    const auto cells = static_cast<int64_t>(conditions.size());
+    const auto poses_each = cells / static_cast<int64_t>(setups.size());
+    return trial / cells * poses_each + conditions[condition_of(trial)].pose;
+  }
 };
 
 /// What the command line may say over a study's file.

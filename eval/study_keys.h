@@ -21,13 +21,7 @@ std::vector<std::string> names_of(const Catalogue& catalogue) {
   return names;
 }
 
-PoseLaw::Range read_range(const TomlTable& table, const char* key, PoseLaw::Range allowed);
-
-/// The ranges of [poses] but for the angles.
-void read_position_ranges(const TomlTable& poses, Study& study);
-
-Camera read_camera(const TomlTable& table);
-void read_prior(const TomlTable& table, Study& study);
+PriorError read_prior(const TomlTable& table);
 
 /// The solvers, and the keys of [solver] that all kinds of study have.
 void read_solvers(const TomlTable& table, const std::string& default_start, Study& study);

@@ -160,8 +160,8 @@ std::optional<TrialBound> bound_of(const Study& study, const Positions& position
     const double sd_px = std::max(noise_px.at(o.feature), kLeastNoisePx);
     covariances_px2.push_back(sd_px * sd_px * Eigen::Matrix2d::Identity());
   }
-  const auto bound =
-      cramer_rao_bound(study.camera, points, trial.true_cam_from_target, covariances_px2);
+  const auto bound = cramer_rao_bound(study.camera_of(trial.condition), points,
+                                      trial.true_cam_from_target, covariances_px2);
   if (!bound) return std::nullopt;
   constexpr double kDegree = std::numbers::pi / 180;
   return TrialBound{std::min(bound->attitude_rms_rad / kDegree, kAngleCapDeg),
@@ -356,6 +356,7 @@ Json condition_json(const Study& study, int condition) {
       json[key] = value;
     }
   }
+  for (const auto& [key, word] : study.conditions[condition].words) json[key] = word;
   return json;
 }
 

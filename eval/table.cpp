@@ -223,9 +223,9 @@ std::string pose_block(const Study& study) {
   if (study.poses.theta_deg.empty()) return "";
   TextColumn theta{"theta / °", {}};
   TextColumn t{"T / m", {}};
-  for (size_t i = 0; i < study.conditions.size(); ++i) {
-    theta.cells.push_back(vector_text(study.poses.theta_deg[i]));
-    t.cells.push_back(vector_text(study.poses.t_m[i]));
+  for (const Condition& condition : study.conditions) {
+    theta.cells.push_back(vector_text(study.poses.theta_deg[condition.pose]));
+    t.cells.push_back(vector_text(study.poses.t_m[condition.pose]));
   }
   return text_block("Poses", condition_labels(study), {{"", {theta}}, {"", {t}}});
 }

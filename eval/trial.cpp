@@ -2,73 +2,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/trial.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "eval/estimates.h"
-#include "eval/pose_law.h"
 #include "features/extractor.h"
 #include "features/prediction.h"
 
 namespace sightline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
-
-Pose jittered_pose(const PoseLaw& law, int condition, RandomStream& stream) {
-  const double dx = law.lateral_jitter_m * stream.uniform(-1, 1);
-  const double dy = law.lateral_jitter_m * stream.uniform(-1, 1);
-  return pose_from(law.theta_deg[condition], law.t_m[condition] + Eigen::Vector3d(dx, dy, 0));
-}
-
-bool has_all_features_inside(const Study& study, const Scene& scene) {
-  return std::all_of(study.features.begin(), study.features.end(), [&](int feature) {
-    const Eigen::Vector3d& position = study.target->features[feature].position_m;
-    const auto pixel = project(scene.camera, scene.cam_from_target * position);
-    return pixel && is_inside(scene.camera, *pixel);
-  });
-}
-
-struct DrawnScene {
-  Scene scene;
-  int redraws = 0;
-  bool is_imageable = true;
-};
-
-// The last draw stands when none has all features inside; it is a failed trial if it cannot be
-// imaged at all.
-DrawnScene draw_scene(const Study& study, int64_t index) {
-  DrawnScene drawn;
-  Scene& scene = drawn.scene;
-  scene.target = study.target;
-  scene.camera = study.camera;
-  scene.background = study.background;
-  scene.sensor = study.sensor;
-  scene.samples_per_pixel = study.samples_per_pixel;
-  scene.light = study.light;
-  RandomStream light_stream(study.seed, "light", index);
-  RandomStream pose_stream(study.seed, "pose", index);
-  if (!study.poses.t_m.empty()) {
-    scene.cam_from_target = jittered_pose(study.poses, study.condition_of(index), pose_stream);
-  } else {
-    scene.cam_from_target = drawn_pose(study.poses, pose_stream);
-    while (drawn.redraws < study.poses.max_redraws && !has_all_features_inside(study, scene)) {
-      scene.cam_from_target = drawn_pose(study.poses, pose_stream);
-      ++drawn.redraws;
-    }
-  }
-  const Eigen::Vector3d to_camera = -scene.cam_from_target.translation.normalized();
-  scene.light.to_light_in_cam =
-      light_stream.direction_near(to_camera, study.light_cone_deg * kDegree);
-  drawn.is_imageable = why_not_imageable(scene).empty();
-  return drawn;
-}
-
 FoundPoints found_points(const Study& study, const Trial& trial) {
   FoundPoints found;
   PoseProblem& problem = found.problem;
-  problem.camera = study.camera;
+  problem.camera = trial.scene.camera;
   if (study.start == Start::kPrior) {
     problem.initial_cam_from_target = trial.record.prior_cam_from_target;
   }
@@ -84,9 +30,10 @@ FoundPoints found_points(const Study& study, const Trial& trial) {
 }
 
 std::vector<ObservationRecord> compare_with_truth(const Study& study, const Trial& trial) {
+  const double outlier_px = study.setup_of(trial.record.condition).outlier_px;
   std::vector<ObservationRecord> records;
   for (const Observation& observation : trial.observations) {
-    const FeatureTruth& truth = trial.frame.truth.features[observation.feature];
+    const FeatureTruth& truth = trial.frame.truth.target().features[observation.feature];
     ObservationRecord record;
     record.feature = study.target->features[observation.feature].name;
     record.status = to_string(observation.status);
@@ -95,7 +42,7 @@ std::vector<ObservationRecord> compare_with_truth(const Study& study, const Tria
     if (record.is_found()) {
       record.pixel = observation.pixel;
       record.error_px = (observation.pixel - truth.pixel).norm();
-      record.is_outlier = record.error_px > study.outlier_px;
+      record.is_outlier = record.error_px > outlier_px;
     }
     records.push_back(std::move(record));
   }
@@ -109,8 +56,11 @@ Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
   TrialRecord& record = trial.record;
   record.trial = index;
   record.condition = study.condition_of(index);
+  const ImageSetup& setup = study.setup_of(record.condition);
+  const int64_t draw = study.draw_of(index);
 
-  const DrawnScene drawn = draw_scene(study, index);
+  const DrawnScene drawn =
+      draw_scene(setup.scene, study.conditions[record.condition].pose, study.seed, draw);
   trial.scene = drawn.scene;
   record.redraws = drawn.redraws;
   record.true_cam_from_target = drawn.scene.cam_from_target;
@@ -118,16 +68,17 @@ Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
     record.estimates = failed_estimates(study);
     return trial;
   }
-  trial.frame = renderer.render(trial.scene, RandomStream(study.seed, "sensor", index));
+  trial.frame = renderer.render(trial.scene, RandomStream(study.seed, "sensor", draw));
 
-  RandomStream prior_stream(study.seed, "prior", index);
+  const Camera& camera = trial.scene.camera;
+  RandomStream prior_stream(study.seed, "prior", draw);
   record.prior_cam_from_target =
-      draw_prior(record.true_cam_from_target, study.camera, study.prior, prior_stream);
+      draw_prior(record.true_cam_from_target, camera, setup.prior, prior_stream);
   const auto predictions =
-      predict_features(*study.target, study.features, study.camera, record.prior_cam_from_target);
-  const double white = std::exp2(study.sensor.bits) - 1;
-  trial.observations = extract_features(trial.frame.image, white, predictions, study.extractors,
-                                        study.extractor_options);
+      predict_features(*study.target, study.features, camera, record.prior_cam_from_target);
+  const double white = std::exp2(trial.scene.sensor.bits) - 1;
+  trial.observations = extract_features(trial.frame.image, white, predictions, setup.extractors,
+                                        setup.extractor_options);
   record.observations = compare_with_truth(study, trial);
   record.estimates = estimates_of(study, found_points(study, trial), record);
   return trial;

@@ -340,7 +340,7 @@ struct Renderer::Impl {
   void draw_image_tile(const Scene& scene, const cv::Rect& tile, cv::Mat pixels) {
     const int side = samples_per_side(scene);
     bind(image_buffer, tile.width * side, tile.height * side, {GL_R16});
-    const float background[4] = {static_cast<float>(scene.background), 0, 0, 0};
+    const float background[4] = {static_cast<float>(scene.background.level), 0, 0, 0};
     const float far_depth = 1;
     gl.ClearBufferfv(GL_COLOR, 0, background);
     gl.ClearBufferfv(GL_DEPTH, 0, &far_depth);
@@ -405,7 +405,7 @@ struct Renderer::Impl {
   cv::Mat linear(const Scene& scene) {
     context->make_current();
     cv::Mat image(scene.camera.height_px, scene.camera.width_px, CV_32F,
-                  cv::Scalar(scene.background));
+                  cv::Scalar(scene.background.level));
     for_each_tile(touched_pixels(scene), samples_per_side(scene),
                   [&](const cv::Rect& tile) { draw_image_tile(scene, tile, image(tile)); });
     return image;
@@ -452,11 +452,12 @@ Frame Renderer::render(const Scene& scene, RandomStream noise) {
   frame.image = expose(impl_->linear(scene), scene.sensor, noise);
   impl_->truth(scene, frame.part_ids, &frame.depth_m);
   frame.truth.camera = scene.camera;
-  frame.truth.cam_from_target = scene.cam_from_target;
-  frame.truth.features = feature_truths(scene);
+  BodyTruth& target = frame.truth.bodies.emplace_back();
+  target.cam_from_target = scene.cam_from_target;
+  target.features = feature_truths(scene);
   const cv::Mat covered = frame.part_ids != 0;
-  frame.truth.target_box = cv::boundingRect(covered);
-  frame.truth.target_pixels = cv::countNonZero(covered);
+  target.visible_box = cv::boundingRect(covered);
+  target.visible_pixels = cv::countNonZero(covered);
   return frame;
 }
 

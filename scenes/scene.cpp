@@ -13,7 +13,19 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
+// False where a vertex of the target is at or behind the camera's plane.
+bool is_in_front(const Target& target, const Pose& cam_from_target) {
+  return std::all_of(
+      target.mesh.vertices.begin(), target.mesh.vertices.end(),
+      [&](const Eigen::Vector3d& vertex) { return (cam_from_target * vertex).z() > 0; });
+}
+
 }  // namespace
+
+std::string_view to_string(BackgroundKind kind) {
+  constexpr std::string_view kNames[] = {"uniform", "sky", "clouds", "stars", "image"};
+  return kNames[static_cast<int>(kind)];
+}
 
 Pose draw_prior(const Pose& truth_cam_from_target, const Camera& camera, const PriorError& error,
                 RandomStream& stream) {
@@ -29,6 +41,10 @@ Pose draw_prior(const Pose& truth_cam_from_target, const Camera& camera, const P
 }
 
 std::string why_not_imageable(const Scene& scene) {
+  for (const OtherBody& other : scene.others) {
+    if (is_in_front(*other.target, other.cam_from_target)) continue;
+    return fmt::format("{} is behind the camera or reaches behind it", other.target->name);
+  }
   Eigen::AlignedBox2d pixels;
   for (const Eigen::Vector3d& vertex : scene.target->mesh.vertices) {
     const auto pixel = project(scene.camera, scene.cam_from_target * vertex);

@@ -84,6 +84,19 @@ bool is_self_hidden(const Target& target, const TargetFeature& feature,
   return target.occluder.hides(feature.position_m, eye_in_target, feature.clearance_m);
 }
 
+std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target, double factor) {
+  if (factor == 1) return target;
+  LoadedMesh loaded{target->mesh, target->cleaning};
+  for (Eigen::Vector3d& vertex : loaded.mesh.vertices) vertex *= factor;
+  std::vector<TargetFeature> features = target->features;
+  for (TargetFeature& feature : features) {
+    feature.position_m *= factor;
+    feature.clearance_m *= factor;
+    for (Edge& edge : feature.edges) edge = {edge.begin_m * factor, edge.end_m * factor};
+  }
+  return make_target(target->name, target->description, std::move(loaded), std::move(features));
+}
+
 std::shared_ptr<const Target> load_target(const std::string& name_or_path, const MeshFrame& frame) {
   const std::filesystem::path file = find_target_file(name_or_path);
   if (file.extension() != ".toml") {

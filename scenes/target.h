@@ -56,6 +56,9 @@ struct Target {
 bool is_self_hidden(const Target& target, const TargetFeature& feature,
                     const Pose& cam_from_target);
 
+/// The target `factor` times as large, features and all.
+std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target, double factor);
+
 /// Loads a target by name, from a target.toml, or from any mesh file (which has no features;
 /// `frame` is how the mesh's axes lie, a target.toml says it itself). Throws InputError for
 /// whatever is missing, misspelt, out of range or unreadable.

@@ -89,6 +89,13 @@ toml::table parse_override_value(const std::string& value) {
   }
 }
 
+// The element of an array that a part of a path names; null when it names none.
+toml::node* element_of(toml::array& array, const std::string& index) {
+  const bool is_number =
+      index.size() < 6 && index.find_first_not_of("0123456789") == std::string::npos;
+  return is_number ? array.get(std::stoul(index)) : nullptr;
+}
+
 // Sets the key and returns its path.
 std::string apply_override(toml::table& root, const std::string& setting) {
   const size_t equals = setting.find('=');
@@ -103,7 +110,11 @@ std::string apply_override(toml::table& root, const std::string& setting) {
   toml::table* table = &root;
   for (size_t i = 0; i + 1 < path.size(); ++i) {
     if (!table->contains(path[i])) table->insert(path[i], toml::table{});
-    table = (*table)[path[i]].as_table();
+    toml::node* node = table->get(path[i]);
+    if (const toml::array* array = node->as_array(); array != nullptr && i + 2 < path.size()) {
+      node = element_of(*node->as_array(), path[++i]);
+    }
+    table = node == nullptr ? nullptr : node->as_table();
     if (table == nullptr) {
       throw InputError(fmt::format("--set {}: '{}' is not a table", setting, path[i]));
     }
@@ -166,6 +177,13 @@ bool TomlTable::has(std::string_view key) const {
   return node_->table->contains(key);
 }
 
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : *node_->table) keys.emplace_back(key.str());
+  node_->known.insert(keys.begin(), keys.end());
+  return keys;
+}
+
 double TomlTable::number(std::string_view key, Interval allowed,
                          std::optional<double> fallback) const {
   if (!has(key)) {
@@ -178,6 +196,21 @@ double TomlTable::number(std::string_view key, Interval allowed,
     fail(key, fmt::format("is {}, must be a number, {}", to_text(node), describe(allowed)));
   }
   return *value;
+}
+
+Interval TomlTable::number_or_range(std::string_view key, Interval allowed, double fallback) const {
+  if (!has(key)) return {fallback, fallback};
+  const toml::node& node = *node_->table->get(key);
+  const toml::array* array = node.as_array();
+  const auto low = finite_number(array == nullptr ? &node : array->get(0));
+  const auto high = finite_number(array == nullptr ? &node : array->get(1));
+  const bool is_good = (array == nullptr || array->size() == 2) && low && high && *low <= *high &&
+                       *low >= allowed.min && *high <= allowed.max;
+  if (!is_good) {
+    fail(key, fmt::format("is {}, must be a number or [low, high], {}", to_text(node),
+                          describe(allowed)));
+  }
+  return {*low, *high};
 }
 
 int64_t TomlTable::integer(std::string_view key, Interval allowed,
@@ -288,6 +321,25 @@ std::vector<double> TomlTable::number_list(std::string_view key, Interval allowe
   return values;
 }
 
+std::vector<std::string> TomlTable::literals(std::string_view key) const {
+  const std::string rule = "an array of one or more numbers, texts or flags";
+  if (!has(key)) fail(key, fmt::format("is missing ({})", rule));
+  const toml::node& node = *node_->table->get(key);
+  const toml::array* array = node.as_array();
+  std::vector<std::string> literals;
+  for (size_t i = 0; array != nullptr && i < array->size(); ++i) {
+    const toml::node& value = *array->get(i);
+    const bool is_good = finite_number(&value) || value.is_string() || value.is_boolean();
+    if (!is_good) fail(key, fmt::format("holds {}, must be {}", to_text(value), rule));
+    literals.push_back(with_shortest_numbers(to_text(value)));
+    if (std::count(literals.begin(), literals.end(), literals.back()) > 1) {
+      fail(key, fmt::format("holds {} twice", literals.back()));
+    }
+  }
+  if (literals.empty()) fail(key, fmt::format("is {}, must be {}", to_text(node), rule));
+  return literals;
+}
+
 Eigen::Vector3d TomlTable::vector3(std::string_view key,
                                    std::optional<Eigen::Vector3d> fallback) const {
   if (!has(key) && fallback) return *fallback;
@@ -338,8 +390,8 @@ std::vector<TomlTable> TomlTable::tables(std::string_view key) const {
   const std::string rule = fmt::format("must be an array of tables, [[{}{}]]", node_->prefix, key);
   if (array == nullptr) fail(key, rule);
   std::vector<std::shared_ptr<const Node>>& children = node_->children[std::string(key)];
-  children.clear();
-  for (size_t i = 0; i < array->size(); ++i) {
+  for (const auto& child : children) out.push_back(TomlTable(child));
+  for (size_t i = children.size(); i < array->size(); ++i) {
     auto child = std::make_shared<Node>();
     child->document = node_->document;
     child->prefix = fmt::format("{}{}[{}].", node_->prefix, key, i);

@@ -28,7 +28,8 @@ struct Interval {
 /// requires the key.
 class TomlTable {
  public:
-  /// Reads a file, then sets each override "a.b=value" (value in TOML; a bare word is a string).
+  /// Reads a file, then sets each override "a.b=value" (value in TOML; a bare word is a string;
+  /// "a.0.b" is a key of the first table of an array).
   static TomlTable read_file(const std::filesystem::path& file,
                              std::span<const std::string> overrides = {});
 
@@ -37,9 +38,13 @@ class TomlTable {
                              std::span<const std::string> overrides = {});
 
   bool has(std::string_view key) const;
+  /// All keys of this table, in alphabetical order. They count as known.
+  std::vector<std::string> keys() const;
 
   double number(std::string_view key, Interval allowed = {},
                 std::optional<double> fallback = {}) const;
+  /// A number, or [low, high]; both ends within `allowed`. One number is an interval of no width.
+  Interval number_or_range(std::string_view key, Interval allowed, double fallback) const;
   int64_t integer(std::string_view key, Interval allowed = {},
                   std::optional<int64_t> fallback = {}) const;
   bool flag(std::string_view key, std::optional<bool> fallback = {}) const;
@@ -54,6 +59,8 @@ class TomlTable {
                               std::optional<std::vector<double>> fallback = {}) const;
   /// An array of one or more numbers, each within `allowed` and none twice.
   std::vector<double> number_list(std::string_view key, Interval allowed) const;
+  /// The values of an array of one or more numbers, texts or flags, each as TOML writes it.
+  std::vector<std::string> literals(std::string_view key) const;
   Eigen::Vector3d vector3(std::string_view key, std::optional<Eigen::Vector3d> fallback = {}) const;
   /// An array of points, each an array of three numbers: shape `outer` x `inner` x 3.
   std::vector<std::vector<Eigen::Vector3d>> point_lists(std::string_view key, size_t outer,

@@ -264,7 +264,7 @@ mustache::data frame_data(const Study& study, const FrameEvidence& frame, size_t
       {"theta", triple(attitude_deg(record.true_cam_from_target.rotation), 1)},
       {"t", triple(record.true_cam_from_target.translation, 2)},
       {"has_image", !image.empty()},
-      {"png", image.empty() ? "" : png_data_url(image, study.sensor.bits)},
+      {"png", image.empty() ? "" : png_data_url(image, frame.trial.scene.sensor.bits)},
       {"width", fmt::to_string(image.cols)},
       {"height", fmt::to_string(image.rows)},
       {"view", view_box({0, 0, image.cols, image.rows})},

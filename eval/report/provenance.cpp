@@ -135,13 +135,14 @@ std::string repeat_command(const ReportInput& input) {
 
 std::string provenance_figure(const ReportInput& input) {
   const auto typed = input.meta.find("command");
+  const double outlier_px = input.study.setups.empty() ? 0 : input.study.setups.front().outlier_px;
   const bool has_typed = typed != input.meta.end();
   return mustache::mustache(kTemplate).render(mustache::object{
       {"facts", facts_of(input)},
       {"repeat", repeat_command(input)},
       {"has_typed", has_typed},
       {"typed", has_typed ? typed->second : ""},
-      {"outlier_px", fmt::to_string(input.study.outlier_px)},
+      {"outlier_px", fmt::to_string(outlier_px)},
       {"images", input.study.kind == StudyKind::kImages},
       {"orientation", input.study.kind == StudyKind::kOrientation},
       {"timed", input.study.pairs.timed_repeats > 0},

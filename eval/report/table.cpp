@@ -95,8 +95,7 @@ class="text">{{solver}}</td><td>{{trials}}</td><td>{{failed}}</td>
 enum class Beside { kNothing, kPaper, kMedian };
 
 bool has_given_poses(const Study& study) {
-  return study.poses.theta_deg.size() == study.conditions.size() &&
-         study.poses.t_m.size() == study.conditions.size();
+  return !study.poses.theta_deg.empty();
 }
 
 Beside beside(const Study& study, std::string_view solver) {
@@ -193,8 +192,8 @@ mustache::data condition_row(const ReportInput& input, int condition) {
   const Study& study = input.study;
   mustache::object row = {{"label", study.conditions[condition].label}, {"is_mean", false}};
   if (has_given_poses(study)) {
-    row["theta"] = triple(study.poses.theta_deg[condition], 0);
-    row["t"] = triple(study.poses.t_m[condition], 0);
+    row["theta"] = triple(study.poses.theta_deg[study.conditions[condition].pose], 0);
+    row["t"] = triple(study.poses.t_m[study.conditions[condition].pose], 0);
   }
   row["cells"] = cells(
       study, [&](std::string_view solver) { return condition_cell(input, condition, solver); });

@@ -65,12 +65,15 @@ Study small_study() {
   study.draws = 2;
   study.conditions = {{"pose 1", {{"pose", 1}}, {{"orpe", {2.07, 1.6}}}},
                       {"pose 2", {{"pose", 2}}, {{"orpe", {3.07, 2.6}}}}};
+  study.conditions[1].pose = 1;
   study.poses.theta_deg = {{-20, 30, 40}, {20, 30, 30}};
   study.poses.t_m = {{-5, 5, 1300}, {5, 5, 1500}};
   study.target = small_target();
   study.features = {0, 1, 2, 3};
   study.camera = centred_camera(kSide, kSide, 1000);
-  study.extractors = {find_feature_extractor("hough_intersection"),
+  ImageSetup& setup = study.setups.emplace_back();
+  setup.scene.camera = study.camera;
+  setup.extractors = {find_feature_extractor("hough_intersection"),
                       find_feature_extractor("shi_tomasi_nearest")};
   study.solvers = {find_pose_solver("orpe"), find_pose_solver("lspe"), find_pose_solver("oracle")};
   study.toml = "# </code><script>alert(1)</script>\nseed = 1\n";

@@ -56,17 +56,17 @@ TEST(Study, OverridesCountAndAreKept) {
       read_study("boeing-table1", {.trials = 3, .seed = 9, .set = {"noise.scale=2"}});
   EXPECT_EQ(study.trial_count(), 12);
   EXPECT_EQ(study.seed, 9u);
-  EXPECT_EQ(study.sensor.read_noise_grey, 6);
+  EXPECT_EQ(study.setups.front().scene.noise_scale, 2);
   const Study again = read_study_text(study.toml, "study.toml");
   EXPECT_EQ(again.name, "boeing-table1");
   EXPECT_EQ(again.trial_count(), 12);
-  EXPECT_EQ(again.sensor.read_noise_grey, 6);
+  EXPECT_EQ(again.setups.front().scene.noise_scale, 2);
   EXPECT_EQ(again.toml, study.toml);
 }
 
 TEST(Study, MistakesGetOneClearLine) {
   EXPECT_THAT(error_of({"trails=3"}), AllOf(HasSubstr("trails"), HasSubstr("'trials'")));
-  EXPECT_THAT(error_of({"image.backgroud=0.2"}), HasSubstr("did you mean 'background'"));
+  EXPECT_THAT(error_of({"background.levle=0.2"}), HasSubstr("did you mean 'level'"));
   EXPECT_THAT(error_of({"target=boeing708"}), HasSubstr("did you mean 'boeing707'"));
   EXPECT_THAT(error_of({"solvers=['orpee']"}), HasSubstr("did you mean 'orpe'"));
   EXPECT_THAT(error_of({"features=['nos']"}), HasSubstr("did you mean 'nose'"));
@@ -81,6 +81,53 @@ TEST(Study, MistakesGetOneClearLine) {
   EXPECT_THAT(error_of({".noise=1"}), HasSubstr("must read key=value"));
   EXPECT_THAT(error_of({"extraction.lines.canny_high=20"}), HasSubstr("canny_high"));
   EXPECT_THAT(error_of({"poses.range_m=[1, 2]"}), HasSubstr("beside"));
+}
+
+TEST(Study, AnyKeyOfASceneCanBeSwept) {
+  const Study study =
+      read_study("boeing-random",
+                 {.trials = 2,
+                  .seed = {},
+                  .set = {"sweep={'background.level'=[0.1, 0.9], 'prior.attitude_deg'=[1, 2], "
+                          "'light.casts_shadow'=[true]}"}});
+  ASSERT_EQ(study.setups.size(), 4u);
+  ASSERT_EQ(study.conditions.size(), 4u);
+  EXPECT_EQ(study.trial_count(), 8);
+  const Condition& last = study.conditions[3];
+  EXPECT_EQ(last.values,
+            (std::map<std::string, double>{{"background.level", 0.9}, {"prior.attitude_deg", 2}}));
+  EXPECT_EQ(last.words.at("light.casts_shadow"), "true");
+  EXPECT_THAT(last.label, HasSubstr("background.level 0.9"));
+  EXPECT_EQ(study.setup_of(3).scene.background_level.max, 0.9);
+  EXPECT_EQ(study.setup_of(3).prior.attitude_deg, 2);
+  EXPECT_EQ(study.setup_of(0).prior.attitude_deg, 1);
+  EXPECT_TRUE(study.setup_of(0).scene.casts_shadow);
+  // The cells share their draws, and two draws of a cell are two.
+  EXPECT_EQ(study.draw_of(0), study.draw_of(3));
+  EXPECT_NE(study.draw_of(0), study.draw_of(4));
+}
+
+TEST(Study, GivenPosesCrossSweptKeys) {
+  const Study study =
+      read_study("boeing-table1",
+                 {.trials = 2, .seed = {}, .set = {"sweep={'image.psf_sigma_px'=[0.5, 1.5]}"}});
+  ASSERT_EQ(study.conditions.size(), 8u);
+  EXPECT_EQ(study.conditions[5].pose, 1);
+  EXPECT_EQ(study.conditions[5].setup, 1);
+  EXPECT_EQ(study.conditions[5].values.at("pose"), 2);
+  EXPECT_EQ(study.draw_of(5), study.draw_of(1));
+  EXPECT_NE(study.draw_of(5), study.draw_of(4));
+  const Study again = read_study_text(study.toml, "study.toml");
+  EXPECT_EQ(again.conditions.size(), 8u);
+  EXPECT_EQ(again.toml, study.toml);
+}
+
+TEST(Study, MistakesInASweepGetOneClearLine) {
+  EXPECT_THAT(error_of({"sweep={'background.levle'=[0.2]}"}), HasSubstr("did you mean 'level'"));
+  EXPECT_THAT(error_of({"sweep={'background.level'=[0.2, 0.2]}"}), HasSubstr("twice"));
+  EXPECT_THAT(error_of({"sweep={'background.level'=[]}"}), HasSubstr("one or more"));
+  EXPECT_THAT(error_of({"sweep={'background.level'=[3]}"}), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(error_of({"sweep={'trials'=[1, 2]}"}), HasSubstr("cannot be swept"));
 }
 
 TEST(Study, AFixedPoseThatCannotBeImagedIsAnInputError) {

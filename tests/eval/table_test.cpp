@@ -28,6 +28,7 @@ Study four_poses() {
       {"pose 1", {{"pose", 1}}, {{"orpe", {1.68, 0.5}}, {"lspe", {2.07, 1.7}}}},
       {"pose 2", {{"pose", 2}}, {{"orpe", {2.08, 2.4}}, {"lspe", {2.22, 2.8}}}},
   };
+  study.conditions[1].pose = 1;
   study.poses.theta_deg = {{-20, 30, 40}, {-30, 50, 20}};
   study.poses.t_m = {{-5, 5, 1300}, {-8, 3, 1500}};
   study.features = {0, 1, 2, 3, 4};

@@ -35,7 +35,7 @@ Scene coverage_scene(Mesh mesh, const Pose& cam_from_target, double focal_px = 1
   scene.camera = centred_camera(512, 512, focal_px);
   scene.cam_from_target = cam_from_target;
   scene.light = {.to_light_in_cam = -Eigen::Vector3d::UnitZ(), .ambient = 1, .directional = 0};
-  scene.background = 0;
+  scene.background.level = 0;
   scene.samples_per_pixel = 16;
   return scene;
 }
@@ -166,10 +166,10 @@ TEST(Renderer, DepthAndIdsOfTheBackgroundAreZero) {
   EXPECT_EQ(frame.depth_m.at<double>(0, 0), 0);
   EXPECT_EQ(frame.part_ids.at<uint16_t>(0, 0), 0);
   EXPECT_NE(frame.part_ids.at<uint16_t>(256, 256), 0);
-  EXPECT_EQ(frame.truth.target_pixels, cv::countNonZero(frame.part_ids));
-  EXPECT_EQ(frame.truth.target_pixels, cv::countNonZero(frame.depth_m));
+  EXPECT_EQ(frame.truth.target().visible_pixels, cv::countNonZero(frame.part_ids));
+  EXPECT_EQ(frame.truth.target().visible_pixels, cv::countNonZero(frame.depth_m));
   // 1 m at 99.5 m (the near face) with f = 10000 px.
-  EXPECT_NEAR(frame.truth.target_box.width, 10000 / 99.5, 1);
+  EXPECT_NEAR(frame.truth.target().visible_box.width, 10000 / 99.5, 1);
 }
 
 // One edge of the target's outline: where the camera puts its ends, and where the image has it, row
@@ -449,8 +449,8 @@ TEST(Renderer, SaysWhyASceneCannotBeImaged) {
 TEST(Renderer, ATargetPartlyOutsideTheImageIsDrawnInPart) {
   const Scene scene = coverage_scene(build_cube().mesh, at(1.5, 0, 60));
   const Frame frame = Renderer().render(scene, RandomStream(1, "sensor", 0));
-  EXPECT_EQ(frame.truth.target_box.br().x, 512);
-  EXPECT_GT(frame.truth.target_pixels, 0);
+  EXPECT_EQ(frame.truth.target().visible_box.br().x, 512);
+  EXPECT_GT(frame.truth.target().visible_pixels, 0);
 }
 
 }  // namespace
