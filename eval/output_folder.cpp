@@ -146,9 +146,13 @@ fs::path staging_folder(const fs::path& folder) {
 }
 
 void write_file(const fs::path& file, std::string_view text) {
+  write_file(file, [text](std::ostream& out) { out << text; });
+}
+
+void write_file(const fs::path& file, const std::function<void(std::ostream&)>& write) {
   const fs::path partial = file.string() + ".partial";
   std::ofstream out(partial, std::ios::binary);
-  out << text;
+  write(out);
   out.close();
   std::error_code error;
   if (out) fs::rename(partial, file, error);

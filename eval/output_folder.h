@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <ostream>
 #include <string_view>
 
 namespace sightline {
@@ -52,5 +54,7 @@ std::filesystem::path staging_folder(const std::filesystem::path& folder);
 /// Writes a whole file or throws InputError: the text goes to a file beside it that then takes its
 /// name.
 void write_file(const std::filesystem::path& file, std::string_view text);
+/// The same of a text that `write` makes piece by piece.
+void write_file(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 
 }  // namespace sightline

@@ -175,22 +175,44 @@ Meta as_texts(const Json& manifest) {
   return texts;
 }
 
+// The trials of a store one by one, counted: `result` knows them all after one pass.
+TrialSource counted_trials(const Store& store, RunResult& result) {
+  return [&](const TrialVisitor& visit) {
+    result.trials = 0;
+    result.failed_trials = 0;
+    store.for_each([&](const TrialRecord& trial) {
+      stop_if_interrupted();
+      ++result.trials;
+      result.failed_trials += !could_be_run(trial);
+      visit(trial);
+    });
+  };
+}
+
+// What a store's trials say.
+RunResult summarise_store(const Study& study, const Store& store) {
+  RunResult result;
+  result.summary = summarise(study, counted_trials(store, result));
+  return result;
+}
+
 // Everything that is made from the trials, by a function from file name to path.
 template <typename Folder>
-RunResult write_results(const Study& study, const std::vector<TrialRecord>& trials,
-                        const Json& manifest, const Folder& folder) {
-  RunResult result;
-  result.trials = static_cast<int64_t>(trials.size());
-  result.failed_trials = result.trials - std::count_if(trials.begin(), trials.end(), could_be_run);
-  stop_if_interrupted();
-  result.summary = summarise(study, trials);
-  stop_if_interrupted();
-  write_file(folder / "results.csv", to_csv(study, trials));
+RunResult write_results(const Study& study, const Store& store, const Json& manifest,
+                        const Folder& folder) {
+  RunResult result = summarise_store(study, store);
+  const TrialSource source = counted_trials(store, result);
+  write_file(folder / "results.csv", [&](std::ostream& out) { write_csv(study, source, out); });
   write_file(folder / "summary.json", to_json(study, result.summary));
-  const std::string timings = to_timings_csv(study, trials);
-  if (!timings.empty()) write_file(folder / "timings.csv", timings);
+  if (takes_times(study)) {
+    write_file(folder / "timings.csv",
+               [&](std::ostream& out) { write_timings_csv(study, source, out); });
+  }
+  // Only what is shown of images needs the trials themselves.
+  std::vector<TrialRecord> trials;
   std::vector<FrameEvidence> frames;
   if (study.kind == StudyKind::kImages) {
+    trials = store.trials();
     Renderer renderer;
     frames = gather_evidence(study, trials, renderer);
   }
@@ -314,12 +336,8 @@ std::optional<RunResult> complete_run(const Study& study, const RunOptions& opti
   if (!fs::exists(file, none) || !fs::exists(options.out / kReportFile, none)) return std::nullopt;
   const Store store = Store::open(file);
   require_same_run(store.meta(), meta_of(study, options.shard), options.out);
-  const std::vector<TrialRecord> trials = store.trials();
-  RunResult result;
-  result.summary = summarise(study, trials);
-  result.trials = static_cast<int64_t>(trials.size());
+  RunResult result = summarise_store(study, store);
   result.resumed_trials = result.trials;
-  result.failed_trials = result.trials - std::count_if(trials.begin(), trials.end(), could_be_run);
   return result;
 }
 
@@ -333,7 +351,7 @@ RunResult run_into(OutputFolder& folder, Store& store, const Study& study,
   if (resumed_trials > 0) manifest["resumed_trials"] = resumed_trials;
   if (study.kind == StudyKind::kImages) manifest["renderer"] = Renderer().description();
 
-  RunResult result = write_results(study, store.trials(), manifest, folder);
+  RunResult result = write_results(study, store, manifest, folder);
   result.resumed_trials = resumed_trials;
   const auto wall = std::chrono::steady_clock::now() - start;
   manifest["wall_s"] = std::chrono::duration_cast<std::chrono::milliseconds>(wall).count() / 1e3;
@@ -366,10 +384,21 @@ RunResult run_study(const Study& study, const RunOptions& options) {
   }
 }
 
+std::vector<TrialRecord> run_pilot(const Study& study, bool shows_progress) {
+  Progress progress(study.name, study.trial_count(), shows_progress);
+  TrialRunner runner(study);
+  std::vector<TrialRecord> trials;
+  for (int64_t index = 0; index < study.trial_count(); ++index) {
+    stop_if_interrupted();
+    trials.push_back(runner.run(index));
+    progress.advance(1);
+  }
+  return trials;
+}
+
 RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
                      const std::string& command) {
   std::vector<Meta> metas;
-  std::vector<TrialRecord> trials;
   std::map<int64_t, fs::path> folder_of;
   int64_t count = 0;
   for (const fs::path& folder : shards) {
@@ -387,25 +416,25 @@ RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
       throw InputError(fmt::format("{} and {} are both shard {} of {}", before->second.string(),
                                    folder.string(), shard.index, count));
     }
-    for (TrialRecord& trial : store.trials()) trials.push_back(std::move(trial));
   }
   for (int64_t index = 0; index < count; ++index) {
     if (!folder_of.contains(index)) {
       throw InputError(fmt::format("merge: shard {} of {} is missing", index, count));
     }
   }
-  std::sort(trials.begin(), trials.end(),
-            [](const TrialRecord& a, const TrialRecord& b) { return a.trial < b.trial; });
 
   const Study study = study_from_meta(metas.front(), shards.front() / kStoreFile);
   OutputFolder folder(out, OutputFolder::Leftovers::kKeep);
   refuse_finished_trials(folder, out);
   folder.clear();
   Store store = Store::create(folder / kStoreFile, meta_of(study, Shard{}));
-  store.add(trials);
+  for (const fs::path& shard : shards) {
+    stop_if_interrupted();
+    store.add_all_of(shard / kStoreFile);
+  }
   Json manifest = manifest_of(study, command);
   manifest["shard"] = fmt::format("merged from {}", count);
-  const RunResult result = write_results(study, trials, manifest, folder);
+  const RunResult result = write_results(study, store, manifest, folder);
   write_file(folder / "study.toml", study.toml);
   write_manifest(manifest, folder);
   folder.commit();
@@ -416,7 +445,7 @@ RunResult rewrite_report(const fs::path& folder) {
   const fs::path file = folder / kStoreFile;
   const Store store = Store::open(file);
   const Study study = study_from_meta(store.meta(), file);
-  return write_results(study, store.trials(), read_manifest(folder / "manifest.json"), folder);
+  return write_results(study, store, read_manifest(folder / "manifest.json"), folder);
 }
 
 }  // namespace sightline

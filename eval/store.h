@@ -44,6 +44,8 @@ class Store {
 
   /// All trials, by their number.
   std::vector<TrialRecord> trials() const;
+  /// The same one by one, never more than one in memory.
+  void for_each(const TrialVisitor& visit) const;
   /// How many there are.
   int64_t size() const;
   /// Whether the store holds each of the trials 0 to `end` - 1.
