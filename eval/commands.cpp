@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "eval/catalogue_lists.h"
+#include "eval/compare.h"
 #include "eval/interrupt.h"
 #include "eval/output_folder.h"
 #include "eval/run.h"
@@ -24,7 +25,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kRegressionExit = 3;
 constexpr int kSomeTrialsNotRunExit = 4;
+constexpr int kPilotTrials = 100;  // a condition
 
 // results/<study>, or the first of results/<study>-2, -3, ... that is free.
 fs::path free_folder(const std::string& study) {
@@ -56,10 +59,23 @@ struct StudyArguments {
   int jobs = 1;
   std::string shard;
   bool is_resumed = false;
+  double planned_width = 0;  // relative half-width of the means' intervals; 0: run the study
   bool is_quiet = false;
 };
 
+// Says how many trials a condition needs for intervals so wide, from a pilot of few.
+int plan_command(const StudyArguments& arguments) {
+  remember_interrupts();
+  StudyOverrides overrides = arguments.overrides;
+  if (!overrides.trials) overrides.trials = kPilotTrials;
+  const Study study = read_study(arguments.study, overrides);
+  const Summary summary = summarise(study, run_pilot(study, !arguments.is_quiet));
+  std::cout << plan_table(study, summary, arguments.planned_width);
+  return 0;
+}
+
 int run_study_command(const StudyArguments& arguments, const std::string& command) {
+  if (arguments.planned_width > 0) return plan_command(arguments);
   remember_interrupts();
   const Study study = read_study(arguments.study, arguments.overrides);
   RunOptions options;
@@ -111,6 +127,11 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
   sub->add_option("--set", arguments->overrides.set,
                   "key=value over the study's file, for example noise.scale=2; may be repeated")
       ->allow_extra_args(false);
+  sub->add_option("--plan", arguments->planned_width,
+                  "Only say how many trials a condition needs for 95 % intervals of the means of "
+                  "+- this part of them (0.05: 5 %), from a pilot of --trials [100] each")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->excludes(out);
   sub->add_flag("--quiet", arguments->is_quiet, "No progress and no table");
   sub->callback(
       [arguments, command, &exit_code] { exit_code = run_study_command(*arguments, command); });
@@ -138,6 +159,38 @@ void add_report(CLI::App& app) {
   sub->callback([folder] {
     rewrite_report(*folder);
     std::cout << "report: " << (fs::path(*folder) / "report.html").string() << "\n";
+  });
+}
+
+struct CompareArguments {
+  std::string base;
+  std::string now;
+  double tolerance = 0;
+  std::string junit;
+  std::string markdown;
+};
+
+void add_compare(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<CompareArguments>();
+  CLI::App* sub = app.add_subcommand(
+      "compare", "Say of every cell whether a run is better, worse or unchanged; exit 3 if worse");
+  sub->add_option("base", arguments->base, "Folder of a run, or its summary.json")->required();
+  sub->add_option("new", arguments->now, "The same of the run to judge")->required();
+  sub->add_option("--tolerance", arguments->tolerance,
+                  "Allow means to change by this part (0.05: 5 %), failures by this part of the "
+                  "trials")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  sub->add_option("--junit", arguments->junit, "Also write JUnit XML, a test case a cell");
+  sub->add_option("--markdown", arguments->markdown, "Also write all numbers as Markdown");
+  sub->callback([arguments, &exit_code] {
+    remember_interrupts();
+    const Comparison comparison =
+        compare_runs(arguments->base, arguments->now, arguments->tolerance);
+    std::cout << to_text(comparison);
+    if (!arguments->junit.empty()) write_file(arguments->junit, to_junit(comparison));
+    if (!arguments->markdown.empty()) write_file(arguments->markdown, to_markdown(comparison));
+    exit_code = comparison.has_regression() ? kRegressionExit : 0;
   });
 }
 
@@ -174,6 +227,7 @@ void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_study(app, command, exit_code);
   add_merge(app, command, exit_code);
   add_report(app);
+  add_compare(app, exit_code);
   add_list(app);
   add_target(app);
 }
