@@ -72,8 +72,8 @@ double nees_of(const Pose& pose, const Pose& truth, const Matrix6d& covariance) 
   return factor.matrixL().solve(error.cwiseQuotient(scale)).squaredNorm();
 }
 
-EstimateRecord solve(const Study& study, const PoseSolver& solver, const FoundPoints& found,
-                     const TrialRecord& record) {
+EstimateRecord solve(const Study& study, const PoseSolver& solver, const std::string& name,
+                     const FoundPoints& found, const TrialRecord& record) {
   PoseProblem problem = found.problem;
   if (solver.evaluation_only) {
     for (const int slot : found.slots) {
@@ -82,7 +82,7 @@ EstimateRecord solve(const Study& study, const PoseSolver& solver, const FoundPo
   }
   const PoseEstimate estimate = solver.solve(problem, study.solver_options);
   EstimateRecord out;
-  out.solver = solver.name;
+  out.solver = name;
   out.status = to_string(estimate.status);
   if (estimate.status != PoseStatus::kOk) return out;
 
@@ -103,22 +103,89 @@ EstimateRecord solve(const Study& study, const PoseSolver& solver, const FoundPo
   return out;
 }
 
+// The points at their true places; `is_moved` says which of them.
+template <typename Choice>
+FoundPoints at_truth(const FoundPoints& found, const TrialRecord& record, const Choice& is_moved) {
+  FoundPoints out = found;
+  for (size_t i = 0; i < found.slots.size(); ++i) {
+    const ObservationRecord& observation = record.observations[found.slots[i]];
+    if (is_moved(observation)) out.problem.pixels[i] = observation.true_pixel;
+  }
+  return out;
+}
+
+FoundPoints inliers_of(const FoundPoints& found, const TrialRecord& record) {
+  FoundPoints out = found;
+  out.problem.points_in_target.clear();
+  out.problem.pixels.clear();
+  out.problem.covariances_px2.clear();
+  out.slots.clear();
+  for (size_t i = 0; i < found.slots.size(); ++i) {
+    if (record.observations[found.slots[i]].is_outlier) continue;
+    out.problem.points_in_target.push_back(found.problem.points_in_target[i]);
+    out.problem.pixels.push_back(found.problem.pixels[i]);
+    if (!found.problem.covariances_px2.empty()) {
+      out.problem.covariances_px2.push_back(found.problem.covariances_px2[i]);
+    }
+    out.slots.push_back(found.slots[i]);
+  }
+  return out;
+}
+
+// Outliers get the error of an inlier of the same trial, drawn anew for each.
+FoundPoints with_noise_alone(const FoundPoints& found, const TrialRecord& record,
+                             RandomStream stream) {
+  const auto is_outlier = [](const ObservationRecord& o) { return o.is_outlier; };
+  FoundPoints out = at_truth(found, record, is_outlier);
+  const FoundPoints inliers = inliers_of(found, record);
+  if (inliers.slots.empty()) return out;
+  for (size_t i = 0; i < found.slots.size(); ++i) {
+    if (!is_outlier(record.observations[found.slots[i]])) continue;
+    const uint64_t drawn = (uint64_t{stream.bits()} * inliers.slots.size()) >> 32;
+    const ObservationRecord& inlier = record.observations[inliers.slots[drawn]];
+    out.problem.pixels[i] += inlier.pixel - inlier.true_pixel;
+  }
+  return out;
+}
+
+FoundPoints points_for(PoseInput input, const Study& study, const FoundPoints& found,
+                       const TrialRecord& record) {
+  switch (input) {
+    case PoseInput::kExact:
+      return at_truth(found, record, [](const ObservationRecord&) { return true; });
+    case PoseInput::kNoise:
+      return with_noise_alone(
+          found, record,
+          RandomStream(study.seed, "noise input", static_cast<uint64_t>(record.trial)));
+    case PoseInput::kInliers:
+      return inliers_of(found, record);
+  }
+  return found;
+}
+
 }  // namespace
 
 std::vector<EstimateRecord> estimates_of(const Study& study, const FoundPoints& found,
                                          const TrialRecord& record) {
   std::vector<EstimateRecord> estimates;
   for (const PoseSolver* solver : study.solvers) {
-    estimates.push_back(solve(study, *solver, found, record));
+    estimates.push_back(solve(study, *solver, std::string(solver->name), found, record));
+  }
+  for (const PoseInput input : study.inputs) {
+    const FoundPoints points = points_for(input, study, found, record);
+    for (const PoseSolver* solver : study.solvers) {
+      if (solver->evaluation_only) continue;
+      estimates.push_back(solve(study, *solver, name_with(solver->name, input), points, record));
+    }
   }
   return estimates;
 }
 
 std::vector<EstimateRecord> failed_estimates(const Study& study) {
   std::vector<EstimateRecord> estimates;
-  for (const PoseSolver* solver : study.solvers) {
+  for (const std::string& name : study.solver_names()) {
     EstimateRecord& estimate = estimates.emplace_back();
-    estimate.solver = solver->name;
+    estimate.solver = name;
     estimate.status = "not imaged";
   }
   return estimates;

@@ -70,12 +70,40 @@ Condition condition_at(std::span<const Coordinate> coordinates) {
   return condition;
 }
 
+// A model replaces the law: features fail as they did in one of its trials.
+void read_model(const TomlTable& table, Study& study) {
+  study.planted.law = OutlierLaw::kModel;
+  auto model = std::make_shared<OutlierModel>(read_outlier_model(table.text("model")));
+  std::set<std::string> known;
+  for (const int feature : study.features) known.insert(study.target->features[feature].name);
+  for (const auto& failures : model->trials) {
+    for (const OutlierModel::Failure& failure : failures) {
+      if (known.contains(failure.feature)) continue;
+      table.fail("model",
+                 fmt::format("is of other features: the study has no \"{}\"", failure.feature));
+    }
+  }
+  study.planted.model = std::move(model);
+}
+
+// How many outliers a trial has: swept or given, and none beside a model, which says it itself.
+Axis read_outlier_counts(const TomlTable& sweep, const TomlTable& outliers, const Study& study) {
+  if (!outliers.has("model")) {
+    return read_count_axis(sweep, "outliers", {outliers, "outliers", "count"},
+                           {0, static_cast<double>(study.features.size())});
+  }
+  if (sweep.has("outliers")) sweep.fail("outliers", "cannot stand beside outliers.model");
+  outliers.has("count");
+  return {{0}, false};
+}
+
 void read_planted(const TomlTable& table, Study& study) {
   const std::vector<std::string> laws = {"uniform", "fixed", "clustered", "swapped"};
   const std::array kinds = {OutlierLaw::kUniform, OutlierLaw::kFixed, OutlierLaw::kClustered,
                             OutlierLaw::kSwapped};
   study.planted.law = kinds[index_of(table.choice("law", laws, laws[0]), laws, table, "law")];
   if (table.has("size_px")) study.planted.size_px = read_range(table, "size_px", {0, 1e6});
+  if (table.has("model")) read_model(table, study);
 }
 
 void read_numeric_sweep(const TomlTable& table, Study& study) {
@@ -84,8 +112,7 @@ void read_numeric_sweep(const TomlTable& table, Study& study) {
   const TomlTable outliers = table.table("outliers");
   const double scale = noise.number("scale", {0, 1000}, 1.0);
   const Axis noises = read_axis(sweep, "noise_px", {noise, "noise", "pixel_px"}, {0, 1e4});
-  const Axis counts = read_count_axis(sweep, "outliers", {outliers, "outliers", "count"},
-                                      {0, static_cast<double>(study.features.size())});
+  const Axis counts = read_outlier_counts(sweep, outliers, study);
   read_planted(outliers, study);
   for (const double count : counts.values) {
     const std::string reason = why_not_plantable(study, static_cast<int>(count));

@@ -87,9 +87,31 @@ void swap_pairs(const Study& study, int count, RandomStream& stream,
   }
 }
 
+// What failed together in one of the model's trials.
+void replay_failures(const OutlierModel& model, RandomStream& stream,
+                     std::vector<ObservationRecord>& records) {
+  const auto& failures = model.trials[(uint64_t{stream.bits()} * model.trials.size()) >> 32];
+  for (const OutlierModel::Failure& failure : failures) {
+    const auto record = std::find_if(
+        records.begin(), records.end(),
+        [&](const ObservationRecord& candidate) { return candidate.feature == failure.feature; });
+    if (record == records.end()) continue;
+    if (failure.is_missing) {
+      record->status = "missing";
+    } else {
+      record->pixel = record->true_pixel + failure.displacement_px;
+      record->is_outlier = true;
+    }
+  }
+}
+
 void plant_outliers(const Study& study, int count, RandomStream& stream,
                     std::vector<ObservationRecord>& records) {
   const PlantedOutliers& law = study.planted;
+  if (law.law == OutlierLaw::kModel) {
+    replay_failures(*law.model, stream, records);
+    return;
+  }
   if (law.law == OutlierLaw::kSwapped) {
     swap_pairs(study, count / 2, stream, records);
     return;
@@ -113,6 +135,7 @@ FoundPoints all_points(const Study& study, const TrialRecord& record) {
   if (study.start == Start::kPrior) problem.initial_cam_from_target = record.prior_cam_from_target;
   if (study.is_sigma_known) problem.sigma_px = study.conditions[record.condition].noise_sd;
   for (size_t i = 0; i < record.observations.size(); ++i) {
+    if (!record.observations[i].is_found()) continue;
     problem.points_in_target.push_back(position_of(study, static_cast<int>(i)));
     problem.pixels.push_back(record.observations[i].pixel);
     found.slots.push_back(static_cast<int>(i));
@@ -145,7 +168,12 @@ TrialRecord run_numeric_trial(const Study& study, int64_t index) {
   RandomStream outlier_stream(study.seed, "outliers", index);
   plant_outliers(study, condition.outliers, outlier_stream, record.observations);
   for (ObservationRecord& observation : record.observations) {
-    observation.error_px = (observation.pixel - observation.true_pixel).norm();
+    if (observation.is_found()) {
+      observation.error_px = (observation.pixel - observation.true_pixel).norm();
+      observation.label = observation.is_outlier ? "planted" : "inlier";
+    } else {
+      observation.label = to_string(ObservationLabel::kMissing);
+    }
   }
   record.estimates = estimates_of(study, all_points(study, record), record);
   return record;

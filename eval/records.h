@@ -23,8 +23,11 @@ struct ObservationRecord {
   bool is_visible = false;  ///< truly: on the image and not hidden by the target
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< with status "found"
   Eigen::Vector2d true_pixel = Eigen::Vector2d::Zero();
-  double error_px = 0;      ///< with status "found"
-  bool is_outlier = false;  ///< found, and farther from the truth than the study's outlier_px
+  double error_px = 0;  ///< with status "found"
+  /// The error in units of the observation's own covariance; NaN where it states none.
+  double error_sigmas = std::numeric_limits<double>::quiet_NaN();
+  bool is_outlier = false;  ///< found, and farther from the truth than the study's limits
+  std::string label;        ///< what it is against the truth: see ObservationLabel
 
   bool is_found() const { return status == "found"; }
 };

@@ -21,7 +21,7 @@ namespace {
 // The schema, which docs/store.md explains. Columns of doubles have no type on purpose: SQLite
 // writes them as they are, while in a column of type REAL it turns -0 into 0.
 constexpr int kApplicationId = 0x53474854;  // "SGHT"
-constexpr int kSchemaVersion = 3;
+constexpr int kSchemaVersion = 4;
 constexpr const char* kSchema = R"sql(
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 
@@ -36,7 +36,8 @@ CREATE TABLE trials (
 CREATE TABLE observations (
   trial INTEGER NOT NULL REFERENCES trials, position INTEGER NOT NULL,
   feature TEXT NOT NULL, status TEXT NOT NULL, is_visible INTEGER NOT NULL,
-  pixel_u, pixel_v, true_pixel_u, true_pixel_v, error_px, is_outlier INTEGER NOT NULL,
+  pixel_u, pixel_v, true_pixel_u, true_pixel_v, error_px, error_sigmas,
+  is_outlier INTEGER NOT NULL, label TEXT NOT NULL,
   PRIMARY KEY (trial, position)
 ) WITHOUT ROWID;
 
@@ -189,7 +190,7 @@ class TrialWriter {
  public:
   explicit TrialWriter(const SQLite::Database& database)
       : trials_(database, "trials", 27),
-        observations_(database, "observations", 11),
+        observations_(database, "observations", 13),
         estimates_(database, "estimates", 28),
         orientations_(database, "orientations", 10) {}
 
@@ -203,7 +204,8 @@ class TrialWriter {
     int position = 0;
     for (const ObservationRecord& o : record.observations) {
       observations_ << record.trial << position++ << o.feature << o.status << o.is_visible
-                    << o.pixel << o.true_pixel << o.error_px << o.is_outlier;
+                    << o.pixel << o.true_pixel << o.error_px << o.error_sigmas << o.is_outlier
+                    << o.label;
       observations_.end_row();
     }
   }
@@ -240,7 +242,7 @@ class TrialWriter {
 void read_observation(RowReader& row, TrialRecord& record) {
   ObservationRecord& o = record.observations.emplace_back();
   row >> o.feature >> o.status >> o.is_visible >> o.pixel >> o.true_pixel >> o.error_px >>
-      o.is_outlier;
+      o.error_sigmas >> o.is_outlier >> o.label;
 }
 
 void read_estimate(RowReader& row, TrialRecord& record) {

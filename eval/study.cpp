@@ -41,6 +41,22 @@ void read_outlier_options(const TomlTable& table, OutlierOptions& options) {
   }
 }
 
+std::vector<PoseInput> read_inputs(const TomlTable& table) {
+  std::vector<std::string> known;
+  for (const PoseInput input : {PoseInput::kExact, PoseInput::kNoise, PoseInput::kInliers}) {
+    known.emplace_back(to_string(input));
+  }
+  std::set<size_t> chosen;  // in the order of their steps
+  for (const std::string& name : table.texts("inputs", std::vector<std::string>{})) {
+    if (!chosen.insert(index_of(name, known, table, "inputs")).second) {
+      table.fail("inputs", fmt::format("holds \"{}\" twice", name));
+    }
+  }
+  std::vector<PoseInput> inputs;
+  for (const size_t i : chosen) inputs.push_back(static_cast<PoseInput>(i));
+  return inputs;
+}
+
 const FeatureExtractor* read_extractor(const TomlTable& table, const char* key, FeatureKind kind,
                                        const std::string& fallback) {
   std::vector<std::string> names;
@@ -58,7 +74,12 @@ void read_extraction(const TomlTable& table, ImageSetup& setup) {
   ExtractorOptions& options = setup.extractor_options;
   options.window_half_px =
       static_cast<int>(table.integer("window_half_px", {4, 512}, options.window_half_px));
-  setup.outlier_px = table.number("outlier_px", {0.01, 1000}, 5.0);
+  LabelLimits& limits = setup.limits;
+  limits.outlier_px = table.number("outlier_px", {0.01, 1000}, limits.outlier_px);
+  if (table.has("outlier_sigmas")) {
+    limits.outlier_sigmas = table.number("outlier_sigmas", {0.1, 1e6});
+  }
+  limits.line_px = table.number("line_px", {0.01, 1000}, limits.line_px);
 
   const TomlTable lines = table.table("lines");
   LineOptions& line = options.line;
@@ -138,19 +159,23 @@ struct SweptKey {
   std::vector<std::string> values;
 };
 
+// Tables of an image study whose keys can be swept.
+const std::vector<std::string> kSweptTables = {"camera", "poses", "image",     "background",
+                                               "noise",  "light", "livery",    "motion",
+                                               "other",  "prior", "extraction"};
+
 std::vector<SweptKey> read_sweep(const TomlTable& sweep) {
   constexpr size_t kMostCells = 10'000;
   std::vector<SweptKey> swept;
   size_t cells = 1;
   for (const std::string& key : sweep.keys()) {
     const std::string table = key.substr(0, key.find('.'));
-    const std::vector<std::string> tables = {"camera", "image",     "background", "noise",
-                                             "light",  "livery",    "motion",     "other",
-                                             "prior",  "extraction"};
-    if (table == key || std::find(tables.begin(), tables.end(), table) == tables.end()) {
+    const bool is_known = table != key && std::find(kSweptTables.begin(), kSweptTables.end(),
+                                                    table) != kSweptTables.end();
+    if (!is_known || key == "poses.fixed") {
       sweep.fail(key, fmt::format("cannot be swept, must be a quoted key of [{}], such as "
                                   "\"background.level\"",
-                                  fmt::join(tables, "], [")));
+                                  fmt::join(kSweptTables, "], [")));
     }
     swept.push_back({key, sweep.literals(key)});
     cells *= swept.back().values.size();
@@ -159,18 +184,51 @@ std::vector<SweptKey> read_sweep(const TomlTable& sweep) {
   return swept;
 }
 
-// Notes a swept value in a cell's condition.
-void add_value(Condition& condition, const std::string& key, const std::string& literal) {
-  const TomlTable value = TomlTable::read_text("value = " + literal, key);
-  const bool is_number = literal.find_first_not_of("+-.0123456789e_") == std::string::npos;
-  if (is_number) {
-    condition.values[key] = value.number("value");
-  } else {
-    condition.words[key] =
-        literal.front() == '\'' || literal.front() == '"' ? value.text("value") : literal;
+// One value of every key of a sweep.
+struct SweptValue {
+  std::string key;
+  std::string literal;
+};
+
+// All combinations; the last key's values run fastest.
+std::vector<std::vector<SweptValue>> combinations(const std::vector<SweptKey>& swept) {
+  std::vector<std::vector<SweptValue>> all = {{}};
+  for (const SweptKey& key : swept) {
+    std::vector<std::vector<SweptValue>> longer;
+    for (const std::vector<SweptValue>& begun : all) {
+      for (const std::string& value : key.values) {
+        longer.push_back(begun);
+        longer.back().push_back({key.key, value});
+      }
+    }
+    all = std::move(longer);
   }
-  const std::string shown = is_number ? literal : condition.words[key];
-  condition.label += fmt::format("{}{} {}", condition.label.empty() ? "" : ", ", key, shown);
+  return all;
+}
+
+// [sweep] is one sweep, [[sweep]] several, whose cells follow each other.
+std::vector<std::vector<SweptValue>> read_sweeps(const TomlTable& table) {
+  if (!table.is_array("sweep")) return combinations(read_sweep(table.table("sweep")));
+  std::vector<std::vector<SweptValue>> cells;
+  for (const TomlTable& sweep : table.tables("sweep")) {
+    for (auto& cell : combinations(read_sweep(sweep))) cells.push_back(std::move(cell));
+  }
+  return cells;
+}
+
+// Notes a swept value in a cell's condition.
+void add_value(Condition& condition, const SweptValue& swept) {
+  const TomlTable value = TomlTable::read_text("value = " + swept.literal, swept.key);
+  const bool is_number = swept.literal.find_first_not_of("+-.0123456789e_") == std::string::npos;
+  const bool is_text = swept.literal.front() == '\'' || swept.literal.front() == '"';
+  std::string shown = swept.literal;
+  if (is_number) {
+    condition.values[swept.key] = value.number("value");
+  } else {
+    if (is_text) shown = value.text("value");
+    condition.words[swept.key] = shown;
+  }
+  condition.label += fmt::format("{}{} {}", condition.label.empty() ? "" : ", ", swept.key, shown);
 }
 
 // The cells of one set-up: one for every given pose, or one for all drawn ones.
@@ -191,33 +249,34 @@ void add_conditions(const TomlTable& table, const Condition& swept, Study& study
   }
 }
 
-// One set-up for every combination of swept values; the last key's values run fastest.
+// Swept keys are checked as all others are: those that nobody reads are unknown.
+void reject_unknown_scene_keys(const TomlTable& table) {
+  for (const std::string& name : kSweptTables) {
+    if (name == "other") {
+      for (const TomlTable& other : table.tables(name)) other.reject_unknown_keys();
+    } else if (name != "poses") {
+      table.table(name).reject_unknown_keys();
+    }
+  }
+}
+
+// A set-up for every cell of the sweeps.
 void read_setups(const TomlTable& table, Study& study) {
-  const std::vector<SweptKey> swept = read_sweep(table.table("sweep"));
-  std::vector<size_t> at(swept.size(), 0);
-  for (bool has_more = true; has_more;) {
+  for (const std::vector<SweptValue>& cell : read_sweeps(table)) {
     Condition condition;
     std::vector<std::string> settings;
-    for (size_t k = 0; k < swept.size(); ++k) {
-      const std::string& value = swept[k].values[at[k]];
-      settings.push_back(fmt::format("{}={}", swept[k].key, value));
-      add_value(condition, swept[k].key, value);
+    for (const SweptValue& swept : cell) {
+      settings.push_back(fmt::format("{}={}", swept.key, swept.literal));
+      add_value(condition, swept);
     }
-    const TomlTable set =
-        swept.empty() ? table : TomlTable::read_text(table.to_toml(), table.file(), settings);
-    study.setups.push_back(read_setup(set, study));
-    // Swept keys are checked as others are; those that nobody reads are unknown.
-    for (const char* part : {"camera", "image", "background", "noise", "light", "livery", "motion",
-                             "prior", "extraction"}) {
-      set.table(part).reject_unknown_keys();
+    if (cell.empty()) {
+      study.setups.push_back(read_setup(table, study));
+    } else {
+      const TomlTable set = TomlTable::read_text(table.to_toml(), table.file(), settings);
+      study.setups.push_back(read_setup(set, study));
+      reject_unknown_scene_keys(set);
     }
-    for (const TomlTable& other : set.tables("other")) other.reject_unknown_keys();
     add_conditions(table, condition, study);
-    has_more = false;
-    for (size_t k = swept.size(); k-- > 0 && !has_more;) {
-      has_more = ++at[k] < swept[k].values.size();
-      if (!has_more) at[k] = 0;
-    }
   }
 }
 
@@ -225,7 +284,7 @@ void read_image_study(const TomlTable& table, Study& study) {
   read_solvers(table, "prior", study);
   read_target_and_features(table, study);
   read_setups(table, study);
-  if (study.setups.size() > 1) read_setup(table, study);  // the keys as they stand are read too
+  read_setup(table, study);  // the keys as they stand are checked, though all be swept
   study.camera = study.setups.front().scene.camera;
   study.prior = study.setups.front().prior;
   study.poses = study.setups.front().scene.poses;
@@ -307,6 +366,7 @@ void read_solvers(const TomlTable& table, const std::string& default_start, Stud
                    ? OrpeOptions::Final::kMinimax
                    : OrpeOptions::Final::kLeastSquares;
   read_outlier_options(options, study.solver_options.outliers);
+  study.inputs = read_inputs(options);
 }
 
 void read_target_and_features(const TomlTable& table, Study& study) {
@@ -314,9 +374,23 @@ void read_target_and_features(const TomlTable& table, Study& study) {
   read_features(table, study);
 }
 
+std::string_view to_string(PoseInput input) {
+  constexpr std::string_view kNames[] = {"exact", "noise", "inliers"};
+  return kNames[static_cast<int>(input)];
+}
+
+std::string name_with(std::string_view solver, PoseInput input) {
+  return fmt::format("{}/{}", solver, to_string(input));
+}
+
 std::vector<std::string> Study::solver_names() const {
   std::vector<std::string> names;
   for (const PoseSolver* solver : solvers) names.emplace_back(solver->name);
+  for (const PoseInput input : inputs) {
+    for (const PoseSolver* solver : solvers) {
+      if (!solver->evaluation_only) names.push_back(name_with(solver->name, input));
+    }
+  }
   for (const OrientationMethod* method : methods) names.emplace_back(method->name);
   return names;
 }

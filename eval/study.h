@@ -11,6 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "eval/labels.h"
+#include "eval/outlier_model.h"
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
 #include "pose/solver.h"
@@ -39,7 +41,7 @@ struct ImageSetup {
   PriorError prior;
   ExtractorChoice extractors;
   ExtractorOptions extractor_options;
-  double outlier_px = 5;  ///< an observation farther from the truth is an outlier
+  LabelLimits limits;
 };
 
 /// One cell of a study: what all its trials share.
@@ -63,17 +65,32 @@ enum class Start {
   kFree,   ///< from orthogonal iteration, which needs neither truth nor prior
 };
 
+/// What the solvers are given of a trial, besides what was extracted: the steps between an error
+/// that nothing causes and the one that is measured.
+enum class PoseInput {
+  kExact,    ///< the true projections of the features found: what the geometry leaves
+  kNoise,    ///< outliers at the truth plus the error of an inlier of the trial: noise alone
+  kInliers,  ///< without the outliers: what a perfect removal leaves
+};
+
+std::string_view to_string(PoseInput input);
+
+/// The name under which a solver's estimates from such an input are kept: "lspe/exact".
+std::string name_with(std::string_view solver, PoseInput input);
+
 /// How a numeric study displaces the points that it makes outliers, on top of their noise.
 enum class OutlierLaw {
   kUniform,    ///< in a uniform direction, by a size uniform in the range
   kFixed,      ///< in a uniform direction, by the upper end of the range
   kClustered,  ///< all of a trial by one displacement, drawn as kUniform
   kSwapped,    ///< pairs of points that mirror each other in y = 0 exchange their pixels
+  kModel,      ///< as measured in a trial of an image study, drawn from its outliers.json
 };
 
 struct PlantedOutliers {
   OutlierLaw law = OutlierLaw::kUniform;
   Range size_px{15, 30};
+  std::shared_ptr<const OutlierModel> model;  ///< of kModel
 };
 
 /// What an orientation study draws: points uniform in a cube about the origin, three uniform Euler
@@ -113,6 +130,7 @@ struct Study {
   PriorError prior;                ///< alike
   Start start = Start::kPrior;
   std::vector<const PoseSolver*> solvers;
+  std::vector<PoseInput> inputs;  ///< that the solvers get besides what was extracted
   SolverOptions solver_options;
 
   PlantedOutliers planted;      ///< of a numeric study

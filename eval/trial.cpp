@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "eval/estimates.h"
+#include "eval/labels.h"
 #include "features/extractor.h"
 #include "features/prediction.h"
 
@@ -30,7 +31,6 @@ FoundPoints found_points(const Study& study, const Trial& trial) {
 }
 
 std::vector<ObservationRecord> compare_with_truth(const Study& study, const Trial& trial) {
-  const double outlier_px = study.setup_of(trial.record.condition).outlier_px;
   std::vector<ObservationRecord> records;
   for (const Observation& observation : trial.observations) {
     const FeatureTruth& truth = trial.frame.truth.target().features[observation.feature];
@@ -39,10 +39,14 @@ std::vector<ObservationRecord> compare_with_truth(const Study& study, const Tria
     record.status = to_string(observation.status);
     record.is_visible = truth.is_visible;
     record.true_pixel = truth.pixel;
+    const LabelledObservation labelled =
+        label(observation, trial.scene, trial.frame, study.setup_of(trial.record.condition).limits);
+    record.label = to_string(labelled.label);
     if (record.is_found()) {
       record.pixel = observation.pixel;
-      record.error_px = (observation.pixel - truth.pixel).norm();
-      record.is_outlier = record.error_px > outlier_px;
+      record.error_px = labelled.error_px;
+      record.error_sigmas = labelled.error_sigmas;
+      record.is_outlier = labelled.is_outlier;
     }
     records.push_back(std::move(record));
   }

@@ -456,6 +456,7 @@ Frame Renderer::render(const Scene& scene, RandomStream noise) {
   target.cam_from_target = scene.cam_from_target;
   target.features = feature_truths(scene);
   const cv::Mat covered = frame.part_ids != 0;
+  frame.body_ids = covered / 255;
   target.visible_box = cv::boundingRect(covered);
   target.visible_pixels = cv::countNonZero(covered);
   return frame;

@@ -177,6 +177,10 @@ bool TomlTable::has(std::string_view key) const {
   return node_->table->contains(key);
 }
 
+bool TomlTable::is_array(std::string_view key) const {
+  return has(key) && node_->table->get(key)->is_array();
+}
+
 std::vector<std::string> TomlTable::keys() const {
   std::vector<std::string> keys;
   for (const auto& [key, value] : *node_->table) keys.emplace_back(key.str());
@@ -322,14 +326,19 @@ std::vector<double> TomlTable::number_list(std::string_view key, Interval allowe
 }
 
 std::vector<std::string> TomlTable::literals(std::string_view key) const {
-  const std::string rule = "an array of one or more numbers, texts or flags";
+  const std::string rule = "an array of one or more numbers, texts, flags or arrays of numbers";
   if (!has(key)) fail(key, fmt::format("is missing ({})", rule));
   const toml::node& node = *node_->table->get(key);
   const toml::array* array = node.as_array();
   std::vector<std::string> literals;
   for (size_t i = 0; array != nullptr && i < array->size(); ++i) {
     const toml::node& value = *array->get(i);
-    const bool is_good = finite_number(&value) || value.is_string() || value.is_boolean();
+    const toml::array* inner = value.as_array();
+    const bool is_good =
+        finite_number(&value) || value.is_string() || value.is_boolean() ||
+        (inner != nullptr && std::all_of(inner->begin(), inner->end(), [](const toml::node& number) {
+           return finite_number(&number).has_value();
+         }));
     if (!is_good) fail(key, fmt::format("holds {}, must be {}", to_text(value), rule));
     literals.push_back(with_shortest_numbers(to_text(value)));
     if (std::count(literals.begin(), literals.end(), literals.back()) > 1) {

@@ -38,6 +38,8 @@ class TomlTable {
                              std::span<const std::string> overrides = {});
 
   bool has(std::string_view key) const;
+  /// True where the key holds an array, be it of values or of tables.
+  bool is_array(std::string_view key) const;
   /// All keys of this table, in alphabetical order. They count as known.
   std::vector<std::string> keys() const;
 
@@ -59,7 +61,8 @@ class TomlTable {
                               std::optional<std::vector<double>> fallback = {}) const;
   /// An array of one or more numbers, each within `allowed` and none twice.
   std::vector<double> number_list(std::string_view key, Interval allowed) const;
-  /// The values of an array of one or more numbers, texts or flags, each as TOML writes it.
+  /// The values of an array of one or more numbers, texts, flags or arrays of numbers, none twice,
+  /// each as TOML writes it.
   std::vector<std::string> literals(std::string_view key) const;
   Eigen::Vector3d vector3(std::string_view key, std::optional<Eigen::Vector3d> fallback = {}) const;
   /// An array of points, each an array of three numbers: shape `outer` x `inner` x 3.

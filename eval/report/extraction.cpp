@@ -178,7 +178,7 @@ std::string extraction_figure(const ReportInput& input) {
       {"caption", fmt::format("Features over {}.",
                               counted(static_cast<int64_t>(input.trials.size()), "trial"))},
       {"features", features},
-      {"outlier_px", fmt::to_string(input.study.setups.front().outlier_px)},
+      {"outlier_px", fmt::to_string(input.study.setups.front().limits.outlier_px)},
       {"extractors", extractor_names(input.study.setups.front().extractors)},
       {"has_conditions", input.study.conditions.size() > 1},
       {"conditions", condition_groups(input)},

@@ -81,6 +81,8 @@ void expect_same(const ObservationRecord& a, const ObservationRecord& b) {
   expect_same_bits(a.true_pixel.x(), b.true_pixel.x());
   expect_same_bits(a.true_pixel.y(), b.true_pixel.y());
   expect_same_bits(a.error_px, b.error_px);
+  expect_same_bits(a.error_sigmas, b.error_sigmas);
+  EXPECT_EQ(a.label, b.label);
 }
 
 void expect_same(const EstimateRecord& a, const EstimateRecord& b) {
@@ -160,7 +162,8 @@ TrialRecord drawn_trial(int64_t number) {
     const Eigen::Vector2d pixel(random.normal(), random.normal());
     const Eigen::Vector2d true_pixel(random.normal(), random.normal());
     trial.observations.push_back({feature, "found", random.uniform() < 0.5, pixel, true_pixel,
-                                  random.normal(), random.uniform() < 0.5});
+                                  random.normal(), random.normal(), random.uniform() < 0.5,
+                                  "wrong line"});
   }
   for (const char* solver : {"orpe", "lspe"}) {
     const Pose pose = drawn_pose(random);
@@ -393,7 +396,7 @@ TEST_F(StoreTest, IsNotOpenedFromAnotherVersion) {
   Store::create(file(), {});
   SQLite::Database(file().string(), SQLite::OPEN_READWRITE).exec("PRAGMA user_version = 1");
   expect_complaint(complaint([&] { Store::open(file()); }), file(),
-                   "results of version 1; this program reads version 3");
+                   "results of version 1; this program reads version 4");
 }
 
 TEST_F(StoreTest, SaysSoWhenTheFileIsCutShort) {

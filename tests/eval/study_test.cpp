@@ -122,6 +122,39 @@ TEST(Study, GivenPosesCrossSweptKeys) {
   EXPECT_EQ(again.toml, study.toml);
 }
 
+TEST(Study, SeveralSweepsFollowEachOther) {
+  const Study study = read_study(
+      "boeing-random",
+      {.trials = 1,
+       .seed = {},
+       .set = {"sweep=[{'background.level'=[0.1, 0.9]}, {'poses.range_m'=[[1300, 1400]], "
+               "'background.kind'=['sky', 'stars']}]"}});
+  ASSERT_EQ(study.conditions.size(), 4u);
+  EXPECT_EQ(study.conditions[1].label, "background.level 0.9");
+  EXPECT_EQ(study.conditions[3].words.at("background.kind"), "stars");
+  EXPECT_EQ(study.setup_of(3).scene.background_level.max, 0.15);
+  EXPECT_EQ(study.setup_of(3).scene.poses.drawn_range_m.max, 1400);
+  EXPECT_EQ(study.setup_of(0).scene.poses.drawn_range_m.max, 1500);
+}
+
+TEST(Study, ASolverGetsTheInputsAskedFor) {
+  const Study study = read_study(
+      "boeing-table1", {.trials = 1, .seed = {}, .set = {"solver.inputs=['inliers', 'exact']"}});
+  EXPECT_THAT(study.solver_names(),
+              testing::ElementsAre("orpe", "lspe", "oracle", "orpe/exact", "lspe/exact",
+                                   "orpe/inliers", "lspe/inliers"));
+  Renderer renderer;
+  const Trial trial = run_trial(study, 0, renderer);
+  // The truth from exact projections; the oracle's pose from the inliers.
+  const EstimateRecord* exact = find_estimate(trial.record, "lspe/exact");
+  ASSERT_TRUE(exact != nullptr && exact->is_ok());
+  EXPECT_LT(exact->geodesic_deg, 1e-3);
+  EXPECT_GT(find_estimate(trial.record, "lspe")->geodesic_deg, 1e-2);
+  EXPECT_NEAR(find_estimate(trial.record, "lspe/inliers")->geodesic_deg,
+              find_estimate(trial.record, "oracle")->geodesic_deg, 1e-9);
+  EXPECT_THAT(error_of({"solver.inputs=['exakt']"}), HasSubstr("did you mean 'exact'"));
+}
+
 TEST(Study, MistakesInASweepGetOneClearLine) {
   EXPECT_THAT(error_of({"sweep={'background.levle'=[0.2]}"}), HasSubstr("did you mean 'level'"));
   EXPECT_THAT(error_of({"sweep={'background.level'=[0.2, 0.2]}"}), HasSubstr("twice"));

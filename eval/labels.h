@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <limits>
+#include <string_view>
+
+#include "features/observation.h"
+#include "renderer/frame.h"
+#include "scenes/scene.h"
+
+namespace sightline {
+
+/// What an observation is, held against the truth.
+enum class ObservationLabel {
+  kInlier,             ///< found where the feature is
+  kWrongLine,          ///< a line was taken that is no edge of the feature
+  kWrongIntersection,  ///< both lines are edges of the feature, but meet far from it
+  kWrongPoint,         ///< another point of the target was taken for it
+  kClutter,            ///< what was taken is not of the target: background or another body
+  kHidden,             ///< something was found, though the feature is hidden or outside the image
+  kMissing,            ///< nothing was found, though the feature is to be seen
+  kAbsent,             ///< nothing was found, and nothing is to be seen
+};
+
+/// Words for tables and files: "inlier", "wrong line", ...
+std::string_view to_string(ObservationLabel label);
+
+/// Where right ends. An observation is an outlier beyond either of the first two.
+struct LabelLimits {
+  double outlier_px = 5;  ///< from the true pixel
+  /// In units of the observation's own covariance (Mahalanobis distance).
+  double outlier_sigmas = std::numeric_limits<double>::infinity();
+  double line_px = 3;  ///< RMS of a line's edge pixels about the true edge
+};
+
+/// An observation against the truth; what does not apply is NaN.
+struct LabelledObservation {
+  ObservationLabel label = ObservationLabel::kAbsent;
+  double error_px = std::numeric_limits<double>::quiet_NaN();
+  double error_sigmas = std::numeric_limits<double>::quiet_NaN();
+  bool is_outlier = false;
+};
+
+/// Labels an observation of the scene's main target by the feature's true pixel and visibility, by
+/// its true edges, and by what the pixels of the evidence truly show (the frame's ids).
+LabelledObservation label(const Observation& observation, const Scene& scene, const Frame& frame,
+                          const LabelLimits& limits);
+
+}  // namespace sightline
