@@ -12,8 +12,10 @@
 #include <fmt/format.h>
 
 #include "eval/catalogue_lists.h"
+#include "eval/compare.h"
 #include "eval/doctor.h"
 #include "eval/interrupt.h"
+#include "eval/output_folder.h"
 #include "eval/run.h"
 #include "eval/table.h"
 #include "eval/target_report.h"
@@ -24,13 +26,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kRegressionExit = 3;
 constexpr int kSomeTrialsNotRunExit = 4;
+constexpr int kPilotTrials = 100;  // a condition
 
 // results/<study>, or the first of results/<study>-2, -3, ... that is free.
 fs::path free_folder(const std::string& study) {
+  const auto is_taken = [](const fs::path& folder) {
+    return fs::exists(folder) || fs::exists(staging_folder(folder));
+  };
   const fs::path first = fs::path("results") / study;
   fs::path folder = first;
-  for (int i = 2; fs::exists(folder); ++i) folder = fmt::format("{}-{}", first.string(), i);
+  for (int i = 2; is_taken(folder); ++i) folder = fmt::format("{}-{}", first.string(), i);
   return folder;
 }
 
@@ -53,15 +60,30 @@ struct StudyArguments {
   int jobs = 1;
   std::string shard;
   std::string gl = "none";
+  bool is_resumed = false;
+  double planned_width = 0;  // relative half-width of the means' intervals; 0: run the study
   bool is_quiet = false;
 };
 
+// Says how many trials a condition needs for intervals so wide, from a pilot of few.
+int plan_command(const StudyArguments& arguments) {
+  remember_interrupts();
+  StudyOverrides overrides = arguments.overrides;
+  if (!overrides.trials) overrides.trials = kPilotTrials;
+  const Study study = read_study(arguments.study, overrides);
+  const Summary summary = summarise(study, run_pilot(study, !arguments.is_quiet));
+  std::cout << plan_table(study, summary, arguments.planned_width);
+  return 0;
+}
+
 int run_study_command(const StudyArguments& arguments, const std::string& command) {
+  if (arguments.planned_width > 0) return plan_command(arguments);
   remember_interrupts();
   const Study study = read_study(arguments.study, arguments.overrides);
   RunOptions options;
   options.out = arguments.out.empty() ? free_folder(study.name) : fs::path(arguments.out);
   options.jobs = arguments.jobs;
+  options.is_resumed = arguments.is_resumed;
   options.show_progress = !arguments.is_quiet;
   options.command = command;
   options.renderer.gl = gl_choice(arguments.gl).value();
@@ -75,6 +97,10 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
     }
   }
   const RunResult result = run_study(study, options);
+  if (!arguments.is_quiet && result.resumed_trials > 0) {
+    std::cerr << fmt::format("resumed: {} of {} trials were there\n", result.resumed_trials,
+                             result.trials);
+  }
   if (!arguments.is_quiet) print_result(study, result, options.out);
   return exit_code_of(result);
 }
@@ -93,8 +119,13 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
       "study", "Run a study: render, extract, solve, compare with the truth, report");
   sub->add_option("study", arguments->study, "Name (see `sightline list studies`) or a .toml file")
       ->required();
-  sub->add_option("--out", arguments->out,
-                  "Folder for the results [results/<study>, or -2, -3, ... if that exists]");
+  CLI::Option* out =
+      sub->add_option("--out", arguments->out,
+                      "Folder for the results [results/<study>, or -2, -3, ... if that exists]");
+  sub->add_flag("--resume", arguments->is_resumed,
+                "Continue what a run into --out left that was killed or failed; begin where there "
+                "is none. Finished trials then outlive an interrupt too")
+      ->needs(out);
   sub->add_option("--trials", arguments->overrides.trials,
                   "Trials of each condition, instead of the study's");
   sub->add_option("--seed", arguments->overrides.seed, "Seed of all random draws")
@@ -108,6 +139,11 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
                   "key=value over the study's file, for example noise.scale=2; may be repeated")
       ->allow_extra_args(false);
   add_gl(*sub, arguments->gl);
+  sub->add_option("--plan", arguments->planned_width,
+                  "Only say how many trials a condition needs for 95 % intervals of the means of "
+                  "+- this part of them (0.05: 5 %), from a pilot of --trials [100] each")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->excludes(out);
   sub->add_flag("--quiet", arguments->is_quiet, "No progress and no table");
   sub->callback(
       [arguments, command, &exit_code] { exit_code = run_study_command(*arguments, command); });
@@ -135,6 +171,38 @@ void add_report(CLI::App& app) {
   sub->callback([folder] {
     rewrite_report(*folder);
     std::cout << "report: " << (fs::path(*folder) / "report.html").string() << "\n";
+  });
+}
+
+struct CompareArguments {
+  std::string base;
+  std::string now;
+  double tolerance = 0;
+  std::string junit;
+  std::string markdown;
+};
+
+void add_compare(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<CompareArguments>();
+  CLI::App* sub = app.add_subcommand(
+      "compare", "Say of every cell whether a run is better, worse or unchanged; exit 3 if worse");
+  sub->add_option("base", arguments->base, "Folder of a run, or its summary.json")->required();
+  sub->add_option("new", arguments->now, "The same of the run to judge")->required();
+  sub->add_option("--tolerance", arguments->tolerance,
+                  "Allow means to change by this part (0.05: 5 %), failures by this part of the "
+                  "trials")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  sub->add_option("--junit", arguments->junit, "Also write JUnit XML, a test case a cell");
+  sub->add_option("--markdown", arguments->markdown, "Also write all numbers as Markdown");
+  sub->callback([arguments, &exit_code] {
+    remember_interrupts();
+    const Comparison comparison =
+        compare_runs(arguments->base, arguments->now, arguments->tolerance);
+    std::cout << to_text(comparison);
+    if (!arguments->junit.empty()) write_file(arguments->junit, to_junit(comparison));
+    if (!arguments->markdown.empty()) write_file(arguments->markdown, to_markdown(comparison));
+    exit_code = comparison.has_regression() ? kRegressionExit : 0;
   });
 }
 
@@ -191,6 +259,7 @@ void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_study(app, command, exit_code);
   add_merge(app, command, exit_code);
   add_report(app);
+  add_compare(app, exit_code);
   add_list(app);
   add_target(app);
   add_doctor(app);

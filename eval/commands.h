@@ -10,8 +10,8 @@ class App;
 
 namespace sightline {
 
-/// Adds the subcommands (study, merge, report, list, target, doctor) to the program. Parsing runs the one
-/// that was named; it throws InputError, and sets `exit_code` to 4 when trials could not be run.
+/// Adds the subcommands to the program. Parsing runs the one that was named; it throws InputError,
+/// and sets `exit_code` to 3 when `compare` found a regression, to 4 when trials could not be run.
 /// `command` is the line as typed, for manifests.
 void add_commands(CLI::App& app, const std::string& command, int& exit_code);
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
 #include <array>
 #include <iterator>
 #include <set>
 #include <span>
 #include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -75,9 +75,9 @@ using Names = std::span<const std::string_view>;
 
 constexpr std::array<std::string_view, 2> kTrial{"trial", "condition"};
 constexpr std::array<std::string_view, 2> kSolver{"solver", "status"};
-constexpr std::array<std::string_view, 7> kErrors{
+constexpr std::array<std::string_view, 8> kErrors{
     "theta_error_deg", "t_error_percent", "geodesic_deg", "reprojection_rms_px",
-    "add_m",           "mssd_m",          "mspd_px"};
+    "add_m",           "mssd_m",          "mspd_px",      "nees"};
 constexpr std::array<std::string_view, 5> kCounts{"removed", "false_removals", "missed_outliers",
                                                   "found", "outliers"};
 constexpr std::array<std::string_view, 7> kPose{"qw", "qx", "qy", "qz", "tx_m", "ty_m", "tz_m"};
@@ -129,6 +129,7 @@ void write_errors(Line& line, const EstimateRecord& e) {
   }
   line << e.theta_error_deg << e.t_error_percent << e.geodesic_deg << e.reprojection_rms_px
        << e.add_m << e.mssd_m << e.mspd_px;
+  e.covariance ? line << e.nees : line << "";
 }
 
 void write_removals(Line& line, const EstimateRecord& e, const Counts& counts) {
@@ -170,59 +171,47 @@ void write_orientation(Line& line, const Study& study, const TrialRecord& trial,
        << orientation.t_error_percent << trial.true_cam_from_target;
 }
 
-std::vector<const TrialRecord*> by_number(std::span<const TrialRecord> trials) {
-  std::vector<const TrialRecord*> sorted;
-  for (const TrialRecord& trial : trials) sorted.push_back(&trial);
-  std::sort(sorted.begin(), sorted.end(),
-            [](const TrialRecord* a, const TrialRecord* b) { return a->trial < b->trial; });
-  return sorted;
-}
-
-std::string orientation_csv(const Study& study, std::span<const TrialRecord> trials) {
+void write_orientation_csv(const Study& study, const TrialSource& trials, std::ostream& out) {
   const std::set<std::string> keys = condition_keys(study);
-  std::string csv = header(keys, {kSolver, kOrientation, kTruePose});
-  for (const TrialRecord* trial : by_number(trials)) {
-    for (const OrientationRecord& orientation : trial->orientations) {
+  out << header(keys, {kSolver, kOrientation, kTruePose});
+  trials([&](const TrialRecord& trial) {
+    for (const OrientationRecord& orientation : trial.orientations) {
       Line line;
-      write_condition(line, study.conditions[trial->condition], keys, *trial);
-      write_orientation(line, study, *trial, orientation);
-      csv += std::move(line).end();
+      write_condition(line, study.conditions[trial.condition], keys, trial);
+      write_orientation(line, study, trial, orientation);
+      out << std::move(line).end();
     }
-  }
-  return csv;
+  });
 }
 
 }  // namespace
 
-std::string to_csv(const Study& study, std::span<const TrialRecord> trials) {
-  if (study.kind == StudyKind::kOrientation) return orientation_csv(study, trials);
+void write_csv(const Study& study, const TrialSource& trials, std::ostream& out) {
+  if (study.kind == StudyKind::kOrientation) return write_orientation_csv(study, trials, out);
   const std::set<std::string> keys = condition_keys(study);
-  std::string csv = header(keys, {kSolver, kErrors, kCounts, kPose, kTruePose});
-  for (const TrialRecord* trial : by_number(trials)) {
-    const Counts counts = count_observations(*trial);
-    for (const EstimateRecord& estimate : trial->estimates) {
+  out << header(keys, {kSolver, kErrors, kCounts, kPose, kTruePose});
+  trials([&](const TrialRecord& trial) {
+    const Counts counts = count_observations(trial);
+    for (const EstimateRecord& estimate : trial.estimates) {
       Line line;
-      write_condition(line, study.conditions[trial->condition], keys, *trial);
-      write_estimate(line, *trial, counts, estimate);
-      csv += std::move(line).end();
+      write_condition(line, study.conditions[trial.condition], keys, trial);
+      write_estimate(line, trial, counts, estimate);
+      out << std::move(line).end();
     }
-  }
-  return csv;
+  });
 }
 
-std::string to_timings_csv(const Study& study, std::span<const TrialRecord> trials) {
-  if (study.pairs.timed_repeats == 0) return "";
+void write_timings_csv(const Study& study, const TrialSource& trials, std::ostream& out) {
   const std::set<std::string> keys = condition_keys(study);
-  std::string csv = header(keys, {kTiming});
-  for (const TrialRecord* trial : by_number(trials)) {
-    for (const OrientationRecord& orientation : trial->orientations) {
+  out << header(keys, {kTiming});
+  trials([&](const TrialRecord& trial) {
+    for (const OrientationRecord& orientation : trial.orientations) {
       Line line;
-      write_condition(line, study.conditions[trial->condition], keys, *trial);
+      write_condition(line, study.conditions[trial.condition], keys, trial);
       line << orientation.method << orientation.time_ns;
-      csv += std::move(line).end();
+      out << std::move(line).end();
     }
-  }
-  return csv;
+  });
 }
 
 }  // namespace sightline

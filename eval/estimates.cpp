@@ -7,6 +7,8 @@
 #include <limits>
 #include <numbers>
 
+#include <Eigen/Cholesky>
+
 #include "eval/metrics.h"
 #include "pose/attitude.h"
 
@@ -44,6 +46,32 @@ void judge_removals(const TrialRecord& record, const FoundPoints& found,
   }
 }
 
+// The covariance that a solver reports: its own or, of the noise that it was told, the one for unit
+// noise scaled.
+std::optional<Matrix6d> reported_covariance(const PoseProblem& problem,
+                                            const PoseEstimate& estimate) {
+  const bool has_own = !estimate.covariance.isZero(0);
+  const double variance_px2 = problem.sigma_px * problem.sigma_px;
+  const Matrix6d covariance =
+      has_own ? estimate.covariance : Matrix6d(variance_px2 * estimate.unit_covariance);
+  if (covariance.isZero(0) || !covariance.allFinite()) return std::nullopt;
+  return covariance;
+}
+
+// Infinite where the covariance is none.
+double nees_of(const Pose& pose, const Pose& truth, const Matrix6d& covariance) {
+  Eigen::Matrix<double, 6, 1> error;
+  error << vector_from_rotation(pose.rotation * truth.rotation.transpose()),
+      pose.translation - truth.translation;
+  // To comparable units, for the sake of rounding.
+  const Eigen::Matrix<double, 6, 1> scale = covariance.diagonal().cwiseSqrt();
+  const Matrix6d correlation =
+      scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
+  const Eigen::LLT<Matrix6d> factor(correlation);
+  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return factor.matrixL().solve(error.cwiseQuotient(scale)).squaredNorm();
+}
+
 EstimateRecord solve(const Study& study, const PoseSolver& solver, const std::string& name,
                      const FoundPoints& found, const TrialRecord& record) {
   PoseProblem problem = found.problem;
@@ -70,6 +98,8 @@ EstimateRecord solve(const Study& study, const PoseSolver& solver, const std::st
   out.mssd_m = errors.mssd_m;
   out.mspd_px = errors.mspd_px;
   judge_removals(record, found, estimate, out);
+  out.covariance = reported_covariance(problem, estimate);
+  if (out.covariance) out.nees = nees_of(pose, truth, *out.covariance);
   return out;
 }
 

@@ -43,8 +43,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", SIGHTLINE_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 good, 1 input error, 2 usage, 4 some trials could not be run, 130 "
-      "interrupted.\n"
+      "Exit codes: 0 good, 1 input error, 2 usage, 3 `compare` found a regression, 4 some trials\n"
+      "could not be run, 130 interrupted.\n"
       "Begin with:  sightline list    sightline study boeing-table1");
   int exit_code = 0;
   sightline::add_commands(app, command_line(argc, argv), exit_code);
@@ -55,8 +55,8 @@ int main(int argc, char** argv) {
     return exit_code;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageExit;
-  } catch (const sightline::Interrupted&) {
-    std::cerr << "\nsightline: interrupted; nothing was written\n";
+  } catch (const sightline::Interrupted& interrupted) {
+    std::cerr << "\nsightline: " << in_one_line(interrupted.what()) << '\n';
     return kInterruptedExit;
   } catch (const std::bad_alloc&) {
     std::cerr << "sightline: out of memory\n";

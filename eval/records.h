@@ -3,7 +3,9 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +48,12 @@ struct EstimateRecord {
   std::vector<std::string> removed;  ///< features judged outliers
   int false_removals = 0;            ///< removed, but inliers
   int missed_outliers = 0;           ///< kept, but outliers
+  /// As the solver reports it, of (w, dt): cam_from_target = (Exp(w) R, t + dt), radians and
+  /// metres; none where it reports none.
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance;
+  /// Normalised estimation error squared: e^T covariance^-1 e of the error e = (w, dt). Of a true
+  /// covariance it is chi-squared with 6 degrees of freedom. NaN without a covariance.
+  double nees = std::numeric_limits<double>::quiet_NaN();
 
   bool is_ok() const { return status == "ok"; }
 };
@@ -75,6 +83,11 @@ struct TrialRecord {
   /// In the study's order of methods; only in an orientation study, whose true pose is b_from_a.
   std::vector<OrientationRecord> orientations;
 };
+
+/// Trials that are gone through one by one, by their numbers, so that no more than one need be in
+/// memory; as often as asked.
+using TrialVisitor = std::function<void(const TrialRecord&)>;
+using TrialSource = std::function<void(const TrialVisitor&)>;
 
 /// What a solver made of a trial, failed or not; null where the trial has nothing of it.
 inline const EstimateRecord* find_estimate(const TrialRecord& trial, std::string_view solver) {

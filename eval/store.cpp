@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/store.h"
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -17,13 +18,10 @@
 namespace sightline {
 namespace {
 
-// The schema. Columns of doubles have no type on purpose: SQLite writes them as they are, while in
-// a column of type REAL it turns -0 into 0. NaN becomes NULL, which reads as NaN. Poses are
-// cam_from_target: the rotation's rows, since a quaternion would lose bits, and the translation in
-// metres. `position` is the place in the trial's list. `removed` is a JSON array of features. Other
-// columns are named as the members of the records (records.h) with the same meaning.
+// The schema, which docs/store.md explains. Columns of doubles have no type on purpose: SQLite
+// writes them as they are, while in a column of type REAL it turns -0 into 0.
 constexpr int kApplicationId = 0x53474854;  // "SGHT"
-constexpr int kSchemaVersion = 3;
+constexpr int kSchemaVersion = 4;
 constexpr const char* kSchema = R"sql(
 CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 
@@ -49,6 +47,7 @@ CREATE TABLE estimates (
   r00, r01, r02, r10, r11, r12, r20, r21, r22, tx_m, ty_m, tz_m,
   theta_error_deg, t_error_percent, geodesic_deg, reprojection_rms_px, add_m, mssd_m, mspd_px,
   removed TEXT NOT NULL, false_removals INTEGER NOT NULL, missed_outliers INTEGER NOT NULL,
+  covariance BLOB, nees,
   PRIMARY KEY (trial, position)
 ) WITHOUT ROWID;
 
@@ -63,6 +62,12 @@ CREATE TABLE orientations (
 // Primary result codes of SQLite, whose header stays out of sight as SQLiteCpp does.
 constexpr int kSqliteConstraint = 19;
 constexpr int kSqliteNotADatabase = 26;
+
+const std::string kNoneRemoved = "[]";
+constexpr size_t kCovarianceNumbers = 21;  // of a symmetric 6 by 6 matrix
+
+// For another process that looks into the file.
+constexpr int kMostWaitMs = 30'000;
 
 // Writes the columns of a row from left to right.
 class RowWriter {
@@ -83,6 +88,21 @@ class RowWriter {
       for (int column = 0; column < 3; ++column) *this << pose.rotation(row, column);
     }
     return *this << pose.translation.x() << pose.translation.y() << pose.translation.z();
+  }
+
+  // The upper triangle by rows, or NULL.
+  RowWriter& operator<<(const std::optional<Eigen::Matrix<double, 6, 6>>& covariance) {
+    if (!covariance) {
+      insert_.bind(++column_);
+      return *this;
+    }
+    std::array<double, kCovarianceNumbers> numbers;
+    size_t next = 0;
+    for (int row = 0; row < 6; ++row) {
+      for (int column = row; column < 6; ++column) numbers[next++] = (*covariance)(row, column);
+    }
+    insert_.bind(++column_, numbers.data(), sizeof numbers);
+    return *this;
   }
 
   void end_row() {
@@ -134,6 +154,22 @@ class RowReader {
     value = next_column().getString();
     return *this;
   }
+  RowReader& operator>>(std::optional<Eigen::Matrix<double, 6, 6>>& covariance) {
+    const SQLite::Column column = next_column();
+    std::array<double, kCovarianceNumbers> numbers;
+    covariance.reset();
+    if (column.isNull() || column.getBytes() != sizeof numbers) return *this;
+    std::memcpy(numbers.data(), column.getBlob(), sizeof numbers);
+    covariance.emplace();
+    size_t next = 0;
+    for (int i = 0; i < 6; ++i) {
+      for (int k = i; k < 6; ++k) {
+        (*covariance)(i, k) = numbers[next];
+        (*covariance)(k, i) = numbers[next++];
+      }
+    }
+    return *this;
+  }
   RowReader& operator>>(Eigen::Vector2d& v) { return *this >> v.x() >> v.y(); }
   RowReader& operator>>(Pose& pose) {
     for (int row = 0; row < 3; ++row) {
@@ -155,7 +191,7 @@ class TrialWriter {
   explicit TrialWriter(const SQLite::Database& database)
       : trials_(database, "trials", 27),
         observations_(database, "observations", 13),
-        estimates_(database, "estimates", 26),
+        estimates_(database, "estimates", 28),
         orientations_(database, "orientations", 10) {}
 
   void write_trial(const TrialRecord& record) {
@@ -180,7 +216,8 @@ class TrialWriter {
       estimates_ << record.trial << position++ << e.solver << e.status << e.cam_from_target
                  << e.theta_error_deg << e.t_error_percent << e.geodesic_deg
                  << e.reprojection_rms_px << e.add_m << e.mssd_m << e.mspd_px
-                 << nlohmann::json(e.removed).dump() << e.false_removals << e.missed_outliers;
+                 << (e.removed.empty() ? kNoneRemoved : nlohmann::json(e.removed).dump())
+                 << e.false_removals << e.missed_outliers << e.covariance << e.nees;
       estimates_.end_row();
     }
   }
@@ -202,35 +239,6 @@ class TrialWriter {
   RowWriter orientations_;
 };
 
-std::vector<TrialRecord> read_trials(const SQLite::Database& database) {
-  std::vector<TrialRecord> records;
-  RowReader rows(database, "trials", "trial");
-  while (rows.next_row()) {
-    TrialRecord& record = records.emplace_back();
-    rows >> record.trial >> record.condition >> record.redraws >> record.true_cam_from_target >>
-        record.prior_cam_from_target;
-  }
-  return records;
-}
-
-// Goes through a table that has rows of many trials, and hands each row to its trial: both are
-// ordered by the trial's number, so one pass does.
-template <typename ReadRow>
-void read_into(const SQLite::Database& database, const std::string& table,
-               std::vector<TrialRecord>& records, const ReadRow& read_row) {
-  RowReader rows(database, table, "trial, position");
-  auto record = records.begin();
-  while (rows.next_row()) {
-    int64_t trial = 0;
-    int position = 0;
-    rows >> trial >> position;
-    while (record != records.end() && record->trial < trial) ++record;
-    // Foreign keys leave no row without its trial, but a file may have been edited without them.
-    if (record == records.end()) return;
-    if (record->trial == trial) read_row(rows, *record);
-  }
-}
-
 void read_observation(RowReader& row, TrialRecord& record) {
   ObservationRecord& o = record.observations.emplace_back();
   row >> o.feature >> o.status >> o.is_visible >> o.pixel >> o.true_pixel >> o.error_px >>
@@ -242,7 +250,8 @@ void read_estimate(RowReader& row, TrialRecord& record) {
   std::string removed;
   row >> e.solver >> e.status >> e.cam_from_target >> e.theta_error_deg >> e.t_error_percent >>
       e.geodesic_deg >> e.reprojection_rms_px >> e.add_m >> e.mssd_m >> e.mspd_px >> removed >>
-      e.false_removals >> e.missed_outliers;
+      e.false_removals >> e.missed_outliers >> e.covariance >> e.nees;
+  if (removed == kNoneRemoved) return;
   e.removed = nlohmann::json::parse(removed).get<std::vector<std::string>>();
 }
 
@@ -250,6 +259,50 @@ void read_orientation(RowReader& row, TrialRecord& record) {
   OrientationRecord& o = record.orientations.emplace_back();
   row >> o.method >> o.status >> o.failures >> o.angle_error_deg >> o.theta_error_deg >>
       o.t_error_percent >> o.geodesic_deg >> o.time_ns;
+}
+
+// A table that has rows of many trials, which are handed out trial by trial: both are ordered by
+// the trial's number, so one pass does.
+class TrialRows {
+ public:
+  using ReadRow = void (*)(RowReader& row, TrialRecord& record);
+
+  TrialRows(const SQLite::Database& database, const std::string& table, ReadRow read_row)
+      : rows_(database, table, "trial, position"), read_row_(read_row) {
+    advance();
+  }
+
+  void read_into(TrialRecord& record) {
+    // Foreign keys leave no row without its trial, but a file may have been edited without them.
+    while (has_row_ && trial_ < record.trial) advance();
+    for (; has_row_ && trial_ == record.trial; advance()) read_row_(rows_, record);
+  }
+
+ private:
+  void advance() {
+    has_row_ = rows_.next_row();
+    int position = 0;
+    if (has_row_) rows_ >> trial_ >> position;
+  }
+
+  RowReader rows_;
+  ReadRow read_row_;
+  bool has_row_ = false;
+  int64_t trial_ = 0;
+};
+
+void visit_trials(const SQLite::Database& database, const TrialVisitor& visit) {
+  RowReader trials(database, "trials", "trial");
+  std::array tables{TrialRows(database, "observations", read_observation),
+                    TrialRows(database, "estimates", read_estimate),
+                    TrialRows(database, "orientations", read_orientation)};
+  while (trials.next_row()) {
+    TrialRecord record;
+    trials >> record.trial >> record.condition >> record.redraws >> record.true_cam_from_target >>
+        record.prior_cam_from_target;
+    for (TrialRows& table : tables) table.read_into(record);
+    visit(record);
+  }
 }
 
 // Runs `action`; what SQLite says went wrong becomes an InputError about the file.
@@ -267,15 +320,11 @@ auto on_file(const std::filesystem::path& file, const char* what_failed, const A
   }
 }
 
-// Makes an empty file, which is an empty SQLite database, only where there is none yet.
-void make_new_file(const std::filesystem::path& file) {
-  std::FILE* const handle = std::fopen(file.c_str(), "wx");
+// Makes an empty file, which is an empty SQLite database.
+void make_empty_file(const std::filesystem::path& file) {
+  std::FILE* const handle = std::fopen(file.c_str(), "w");
   if (handle == nullptr) {
-    const int reason = errno;
-    if (reason == EEXIST) {
-      throw InputError(fmt::format("{}: exists already; name a new file", file.string()));
-    }
-    throw InputError(fmt::format("{}: cannot be created ({})", file.string(), strerror(reason)));
+    throw InputError(fmt::format("{}: cannot be created ({})", file.string(), strerror(errno)));
   }
   std::fclose(handle);
 }
@@ -309,7 +358,7 @@ struct Store::Impl {
   // The default journal is named because the faster one (WAL) breaks on network file systems.
   explicit Impl(std::filesystem::path path)
       : file(std::move(path)),
-        database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX) {
+        database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX, kMostWaitMs) {
     database.exec("PRAGMA journal_mode = DELETE");
     database.exec("PRAGMA foreign_keys = ON");
   }
@@ -325,11 +374,23 @@ Store::~Store() = default;
 
 Store Store::create(const std::filesystem::path& file,
                     const std::map<std::string, std::string>& meta) {
-  make_new_file(file);
+  if (std::filesystem::exists(file)) {
+    throw InputError(fmt::format("{}: exists already; name a new file", file.string()));
+  }
+  const std::filesystem::path partial = file.string() + ".partial";
+  std::error_code error;
+  std::filesystem::remove(partial.string() + "-journal", error);
+  make_empty_file(partial);
   return on_file(file, "cannot be written", [&] {
-    auto impl = std::make_unique<Impl>(file);
-    write_schema(impl->database, meta);
-    return Store(std::move(impl));
+    {
+      Impl impl(partial);
+      write_schema(impl.database, meta);
+    }
+    std::filesystem::rename(partial, file, error);
+    if (error) {
+      throw InputError(fmt::format("{}: cannot be created ({})", file.string(), error.message()));
+    }
+    return Store(std::make_unique<Impl>(file));
   });
 }
 
@@ -384,12 +445,46 @@ void Store::add_all_of(const std::filesystem::path& file) {
 }
 
 std::vector<TrialRecord> Store::trials() const {
+  std::vector<TrialRecord> records;
+  for_each([&records](const TrialRecord& record) { records.push_back(record); });
+  return records;
+}
+
+void Store::for_each(const TrialVisitor& visit) const {
+  on_file(impl_->file, "cannot be read", [&] { visit_trials(impl_->database, visit); });
+}
+
+int64_t Store::size() const {
+  return on_file(impl_->file, "cannot be read", [&]() -> int64_t {
+    return impl_->database.execAndGet("SELECT count(*) FROM trials").getInt64();
+  });
+}
+
+std::vector<bool> Store::held(int64_t end) const {
   return on_file(impl_->file, "cannot be read", [&] {
-    std::vector<TrialRecord> records = read_trials(impl_->database);
-    read_into(impl_->database, "observations", records, read_observation);
-    read_into(impl_->database, "estimates", records, read_estimate);
-    read_into(impl_->database, "orientations", records, read_orientation);
-    return records;
+    std::vector<bool> held(static_cast<size_t>(end));
+    SQLite::Statement select(impl_->database, "SELECT trial FROM trials");
+    while (select.executeStep()) {
+      const int64_t trial = select.getColumn(0).getInt64();
+      if (trial >= 0 && trial < end) held[static_cast<size_t>(trial)] = true;
+    }
+    return held;
+  });
+}
+
+std::optional<int64_t> Store::first_trial() const {
+  return on_file(impl_->file, "cannot be read", [&]() -> std::optional<int64_t> {
+    SQLite::Statement select(impl_->database, "SELECT min(trial) FROM trials");
+    if (!select.executeStep() || select.getColumn(0).isNull()) return std::nullopt;
+    return select.getColumn(0).getInt64();
+  });
+}
+
+bool Store::holds(int64_t trial) const {
+  return on_file(impl_->file, "cannot be read", [&] {
+    SQLite::Statement select(impl_->database, "SELECT 1 FROM trials WHERE trial = ?");
+    select.bind(1, trial);
+    return select.executeStep();
   });
 }
 

@@ -19,13 +19,12 @@ namespace sightline {
 namespace {
 
 using Json = nlohmann::ordered_json;
-using Trials = std::vector<const TrialRecord*>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr std::string_view kOracle = "oracle";
 // Stands for the noise of a feature that showed none, so that its information is finite.
 constexpr double kLeastNoisePx = 1e-3;
+constexpr double kChiSquared6At95 = 12.591587243743977;  // R: qchisq(0.95, 6)
 
 // A sum of squares that knows how many it holds.
 struct MeanSquare {
@@ -39,21 +38,6 @@ struct MeanSquare {
   double root() const { return count > 0 ? std::sqrt(sum / count) : kNoNumber; }
 };
 
-double ratio(double a, double b) {
-  return b > 0 ? a / b : kNoNumber;
-}
-
-// The trials of a condition by their number, so that sums do not depend on the order of shards.
-Trials trials_of(std::span<const TrialRecord> trials, int condition) {
-  Trials chosen;
-  for (const TrialRecord& trial : trials) {
-    if (trial.condition == condition) chosen.push_back(&trial);
-  }
-  std::sort(chosen.begin(), chosen.end(),
-            [](const TrialRecord* a, const TrialRecord* b) { return a->trial < b->trial; });
-  return chosen;
-}
-
 int outliers_in(const TrialRecord& trial) {
   return static_cast<int>(std::count_if(trial.observations.begin(), trial.observations.end(),
                                         [](const ObservationRecord& o) { return o.is_outlier; }));
@@ -63,68 +47,6 @@ int outliers_in(const TrialRecord& trial) {
 const EstimateRecord* pose_of(const TrialRecord& trial, std::string_view solver) {
   const EstimateRecord* const estimate = find_estimate(trial, solver);
   return estimate != nullptr && estimate->is_ok() ? estimate : nullptr;
-}
-
-// The found inliers' error in one coordinate, when a feature's name is given of that feature alone.
-MeanSquare inlier_error(const Trials& trials, const std::string* feature = nullptr) {
-  MeanSquare error;
-  for (const TrialRecord* trial : trials) {
-    for (const ObservationRecord& o : trial->observations) {
-      if (feature != nullptr && o.feature != *feature) continue;
-      if (o.is_found() && !o.is_outlier) error.add(o.error_px / std::sqrt(2.0));
-    }
-  }
-  return error;
-}
-
-CellObservations summarise_observations(const Trials& trials, int condition) {
-  CellObservations cell;
-  cell.condition = condition;
-  cell.trials = static_cast<int>(trials.size());
-  cell.inlier_rms_px = inlier_error(trials).root();
-  int found = 0;
-  int outliers = 0;
-  for (const TrialRecord* trial : trials) {
-    for (const ObservationRecord& o : trial->observations) found += o.is_found();
-    outliers += outliers_in(*trial);
-  }
-  if (cell.trials > 0) {
-    cell.found = static_cast<double>(found) / cell.trials;
-    cell.outliers = static_cast<double>(outliers) / cell.trials;
-  }
-  return cell;
-}
-
-// Every trial that was imaged has an observation of every feature, in the study's order.
-std::vector<std::string> features_in(const Trials& trials) {
-  std::vector<std::string> features;
-  for (const TrialRecord* trial : trials) {
-    for (const ObservationRecord& o : trial->observations) {
-      const bool is_known =
-          std::find(features.begin(), features.end(), o.feature) != features.end();
-      if (!is_known) features.push_back(o.feature);
-    }
-  }
-  return features;
-}
-
-FeatureSummary summarise_feature(const Trials& trials, int condition, const std::string& feature) {
-  FeatureSummary summary;
-  summary.condition = condition;
-  summary.feature = feature;
-  std::vector<double> errors_px;
-  for (const TrialRecord* trial : trials) {
-    for (const ObservationRecord& o : trial->observations) {
-      if (o.feature != feature) continue;
-      summary.visible += o.is_visible;
-      summary.outliers += o.is_outlier;
-      if (o.is_found()) errors_px.push_back(o.error_px);
-    }
-  }
-  summary.found = static_cast<int>(errors_px.size());
-  summary.inlier_rms_px = inlier_error(trials, &feature).root();
-  summary.median_px = percentile(errors_px, 0.5);
-  return summary;
 }
 
 // The bound of one trial, in the units of errors and capped like them.
@@ -175,113 +97,46 @@ bool is_noiseless(const Study& study, int condition) {
   return study.kind == StudyKind::kNumeric && study.conditions[condition].noise_sd == 0;
 }
 
-// By trial.
-std::vector<std::optional<TrialBound>> bounds_of(const Study& study, const Positions& positions,
-                                                 const Trials& trials, int condition,
-                                                 std::span<const FeatureSummary> features) {
-  std::vector<std::optional<TrialBound>> bounds(trials.size());
-  if (is_noiseless(study, condition)) return bounds;
-  std::map<std::string, double> noise_px;
-  for (const FeatureSummary& feature : features) {
-    noise_px[feature.feature] = study.kind == StudyKind::kNumeric
-                                    ? study.conditions[condition].noise_sd
-                                    : feature.inlier_rms_px;
-  }
-  for (size_t i = 0; i < trials.size(); ++i) {
-    bounds[i] = bound_of(study, positions, *trials[i], noise_px);
-  }
-  return bounds;
-}
-
-void set_bounds(const std::vector<std::optional<TrialBound>>& bounds, CellObservations& cell) {
-  double theta_deg = 0;
-  double t_percent = 0;
-  MeanSquare geodesic_deg;
-  for (const auto& bound : bounds) {
-    if (!bound) continue;
-    theta_deg += bound->theta_deg;
-    t_percent += bound->t_percent;
-    geodesic_deg.add(bound->geodesic_deg);
-  }
-  const int count = geodesic_deg.count;
-  cell.bound_theta_deg = count > 0 ? theta_deg / count : kNoNumber;
-  cell.bound_t_percent = count > 0 ? t_percent / count : kNoNumber;
-  cell.bound_geodesic_deg = geodesic_deg.root();
-}
-
-// A solver's errors in the order of the trials, infinite where it failed.
-std::vector<double> errors_of(const Trials& trials, std::string_view solver,
-                              double EstimateRecord::*error) {
-  std::vector<double> errors;
-  for (const TrialRecord* trial : trials) {
-    const EstimateRecord* const estimate = pose_of(*trial, solver);
-    errors.push_back(estimate != nullptr ? estimate->*error : kInfinity);
-  }
-  return errors;
-}
-
-void count_removals(const Trials& trials, CellSummary& cell) {
-  int exact = 0;
-  cell.false_removals = 0;
-  cell.missed_outliers = 0;
-  for (const TrialRecord* trial : trials) {
-    const EstimateRecord* const estimate = pose_of(*trial, cell.solver);
-    if (estimate == nullptr) {
-      ++cell.failures;
-      cell.missed_outliers += outliers_in(*trial);
-      continue;
-    }
-    cell.false_removals += estimate->false_removals;
-    cell.missed_outliers += estimate->missed_outliers;
-    exact += estimate->false_removals == 0 && estimate->missed_outliers == 0;
-  }
-  cell.false_removals /= cell.trials;
-  cell.missed_outliers /= cell.trials;
-  cell.exact_set_rate = static_cast<double>(exact) / cell.trials;
-}
-
-CellSummary summarise_cell(const Study& study, const Trials& trials, int condition,
-                           std::string_view solver) {
+// A solver in a condition, trial by trial.
+struct CellAccumulator {
   CellSummary cell;
-  cell.condition = condition;
-  cell.solver = solver;
-  cell.trials = static_cast<int>(trials.size());
-  const auto statistics = [&](double EstimateRecord::*error, double cap, std::string_view name) {
-    const std::string stream =
-        fmt::format("bootstrap/{}/{}/{}", study.conditions[condition].label, solver, name);
-    return summarise(errors_of(trials, solver, error), cap, study.seed, stream);
-  };
-  cell.theta_error_deg =
-      statistics(&EstimateRecord::theta_error_deg, kAngleCapDeg, "theta_error_deg");
-  cell.t_error_percent =
-      statistics(&EstimateRecord::t_error_percent, kTranslationCapPercent, "t_error_percent");
-  cell.geodesic_deg = statistics(&EstimateRecord::geodesic_deg, kAngleCapDeg, "geodesic_deg");
-  if (cell.trials > 0) count_removals(trials, cell);
-  return cell;
-}
+  ErrorStatistics theta_error_deg{kAngleCapDeg};
+  ErrorStatistics t_error_percent{kTranslationCapPercent};
+  ErrorStatistics geodesic_deg{kAngleCapDeg};
+  ErrorStatistics angle_error_deg{kAngleCapDeg};  // as the next, of an orientation study
+  ErrorStatistics time_ns{kInfinity};
+  int64_t false_removals = 0;
+  int64_t missed_outliers = 0;
+  int64_t exact = 0;
+  RmsRatio to_oracle;
+  RmsRatio to_bound;
+  ErrorStatistics nees{kInfinity};
+  int64_t nees_covered = 0;
+};
 
-// A solver's capped geodesic error, RMS over the trials that `counts` picks.
-template <typename Predicate>
-double rms_geodesic_deg(const Trials& trials, std::string_view solver, const Predicate& counts) {
-  MeanSquare error;
-  for (size_t i = 0; i < trials.size(); ++i) {
-    if (!counts(i)) continue;
-    const EstimateRecord* const estimate = pose_of(*trials[i], solver);
-    error.add(estimate != nullptr ? std::min(estimate->geodesic_deg, kAngleCapDeg) : kAngleCapDeg);
-  }
-  return error.root();
-}
+// A feature in a condition.
+struct FeatureAccumulator {
+  FeatureSummary summary;
+  MeanSquare inlier_error_px;  // of one coordinate
+  ErrorStatistics error_px{kInfinity};
+};
 
-void set_ratios(const Study& study, const Trials& trials,
-                const std::vector<std::optional<TrialBound>>& bounds,
-                const CellObservations& observations, CellSummary& cell) {
-  if (is_noiseless(study, cell.condition)) return;
-  const auto has_oracle = [&](size_t i) { return pose_of(*trials[i], kOracle) != nullptr; };
-  const auto has_bound = [&](size_t i) { return bounds[i].has_value(); };
-  cell.ratio_to_oracle = ratio(rms_geodesic_deg(trials, cell.solver, has_oracle),
-                               rms_geodesic_deg(trials, kOracle, has_oracle));
-  cell.ratio_to_bound =
-      ratio(rms_geodesic_deg(trials, cell.solver, has_bound), observations.bound_geodesic_deg);
+// A condition: what its images gave, and its solvers.
+struct ConditionAccumulator {
+  int trials = 0;
+  int64_t found = 0;
+  int64_t outliers = 0;
+  MeanSquare inlier_error_px;
+  std::vector<FeatureAccumulator>
+      features;  // in the order in which they come, which is the study's
+  double bound_theta_deg = 0;
+  double bound_t_percent = 0;
+  MeanSquare bound_geodesic_deg;
+  std::vector<CellAccumulator> cells;  // in the study's order of solvers
+};
+
+double capped_geodesic_deg(const EstimateRecord* estimate) {
+  return estimate != nullptr ? std::min(estimate->geodesic_deg, kAngleCapDeg) : kAngleCapDeg;
 }
 
 const OrientationRecord* find_orientation(const TrialRecord& trial, std::string_view method) {
@@ -291,53 +146,204 @@ const OrientationRecord* find_orientation(const TrialRecord& trial, std::string_
   return nullptr;
 }
 
-CellSummary summarise_method(const Study& study, const Trials& trials, int condition,
-                             const std::string& method) {
-  CellSummary cell;
-  cell.condition = condition;
-  cell.solver = method;
-  cell.trials = static_cast<int>(trials.size());
-  std::vector<const OrientationRecord*> records;
-  for (const TrialRecord* trial : trials) {
-    if (const OrientationRecord* const record = find_orientation(*trial, method)) {
-      records.push_back(record);
-      cell.failures += record->failures > 0;
-      cell.failed_copies += record->failures;
+// Takes trials in the order of their numbers, so that no sum depends on shards.
+class Summariser {
+ public:
+  explicit Summariser(const Study& study)
+      : study_(study), positions_(positions_of(study)), conditions_(study.conditions.size()) {
+    const std::vector<std::string> solvers = study.solver_names();
+    for (size_t i = 0; i < conditions_.size(); ++i) {
+      for (const std::string& solver : solvers) {
+        CellSummary& cell = conditions_[i].cells.emplace_back().cell;
+        cell.condition = static_cast<int>(i);
+        cell.solver = solver;
+      }
     }
   }
-  const auto statistics = [&](double OrientationRecord::*member, double cap,
-                              std::string_view name) {
-    std::vector<double> values;
-    for (const OrientationRecord* record : records) values.push_back(record->*member);
-    return summarise(
-        values, cap, study.seed,
-        fmt::format("bootstrap/{}/{}/{}", study.conditions[condition].label, method, name));
-  };
-  using Record = OrientationRecord;
-  cell.angle_error_deg = statistics(&Record::angle_error_deg, kAngleCapDeg, "angle_error_deg");
-  cell.theta_error_deg = statistics(&Record::theta_error_deg, kAngleCapDeg, "theta_error_deg");
-  cell.geodesic_deg = statistics(&Record::geodesic_deg, kAngleCapDeg, "geodesic_deg");
-  cell.t_error_percent =
-      statistics(&Record::t_error_percent, kTranslationCapPercent, "t_error_percent");
-  if (study.pairs.timed_repeats > 0) {
-    cell.time_ns = statistics(&Record::time_ns, kInfinity, "time_ns");
-  }
-  return cell;
-}
 
-Summary summarise_orientations(const Study& study, std::span<const TrialRecord> trials) {
-  Summary summary;
-  for (int condition = 0; condition < static_cast<int>(study.conditions.size()); ++condition) {
-    const Trials of_cell = trials_of(trials, condition);
-    for (const std::string& method : study.solver_names()) {
-      summary.cells.push_back(summarise_method(study, of_cell, condition, method));
+  // What the images gave. In a study with images the noise of its features, which a bound needs, is
+  // known when all trials have been through here.
+  void observe(const TrialRecord& trial) {
+    ConditionAccumulator& condition = conditions_.at(static_cast<size_t>(trial.condition));
+    ++condition.trials;
+    for (size_t i = 0; i < trial.observations.size(); ++i) {
+      const ObservationRecord& o = trial.observations[i];
+      FeatureAccumulator& feature = feature_of(condition, o.feature, i, trial.condition);
+      condition.found += o.is_found();
+      condition.outliers += o.is_outlier;
+      feature.summary.visible += o.is_visible;
+      feature.summary.outliers += o.is_outlier;
+      if (!o.is_found()) continue;
+      ++feature.summary.found;
+      feature.error_px.add(o.error_px);
+      if (o.is_outlier) continue;
+      condition.inlier_error_px.add(o.error_px / std::numbers::sqrt2);
+      feature.inlier_error_px.add(o.error_px / std::numbers::sqrt2);
     }
-    CellObservations& observations = summary.observations.emplace_back();
-    observations.condition = condition;
-    observations.trials = static_cast<int>(of_cell.size());
   }
-  return summary;
-}
+
+  // What the solvers made of it.
+  void judge(const TrialRecord& trial) {
+    ConditionAccumulator& condition = conditions_.at(static_cast<size_t>(trial.condition));
+    if (study_.kind == StudyKind::kOrientation) {
+      for (CellAccumulator& cell : condition.cells) add_orientation(trial, cell);
+      return;
+    }
+    const bool has_ratios = !is_noiseless(study_, trial.condition);
+    const std::optional<TrialBound> bound = has_ratios ? bound_for(trial) : std::nullopt;
+    if (bound) {
+      condition.bound_theta_deg += bound->theta_deg;
+      condition.bound_t_percent += bound->t_percent;
+      condition.bound_geodesic_deg.add(bound->geodesic_deg);
+    }
+    const EstimateRecord* const oracle = has_ratios ? pose_of(trial, kOracle) : nullptr;
+    const int outliers = outliers_in(trial);
+    for (CellAccumulator& cell : condition.cells) {
+      const EstimateRecord* const estimate = pose_of(trial, cell.cell.solver);
+      add_estimate(estimate, outliers, cell);
+      const double geodesic_deg = capped_geodesic_deg(estimate);
+      if (oracle != nullptr) cell.to_oracle.add(geodesic_deg, capped_geodesic_deg(oracle));
+      if (bound) cell.to_bound.add(geodesic_deg, bound->geodesic_deg);
+    }
+  }
+
+  Summary finish() const {
+    Summary summary;
+    for (size_t i = 0; i < conditions_.size(); ++i) {
+      const ConditionAccumulator& condition = conditions_[i];
+      for (const CellAccumulator& cell : condition.cells) {
+        summary.cells.push_back(finished_cell(cell, condition.trials));
+      }
+      summary.observations.push_back(finished_observations(condition, static_cast<int>(i)));
+      for (const FeatureAccumulator& feature : condition.features) {
+        FeatureSummary& finished = summary.features.emplace_back(feature.summary);
+        finished.inlier_rms_px = feature.inlier_error_px.root();
+        finished.median_px = feature.error_px.quantile(0.5);
+      }
+    }
+    return summary;
+  }
+
+ private:
+  // Every trial that was imaged has an observation of every feature, in the study's order.
+  static FeatureAccumulator& feature_of(ConditionAccumulator& condition, const std::string& name,
+                                        size_t guess, int condition_index) {
+    std::vector<FeatureAccumulator>& features = condition.features;
+    if (guess < features.size() && features[guess].summary.feature == name) return features[guess];
+    for (FeatureAccumulator& feature : features) {
+      if (feature.summary.feature == name) return feature;
+    }
+    FeatureAccumulator& feature = features.emplace_back();
+    feature.summary.condition = condition_index;
+    feature.summary.feature = name;
+    return feature;
+  }
+
+  std::optional<TrialBound> bound_for(const TrialRecord& trial) const {
+    const ConditionAccumulator& condition = conditions_.at(static_cast<size_t>(trial.condition));
+    std::map<std::string, double> noise_px;
+    for (const FeatureAccumulator& feature : condition.features) {
+      noise_px[feature.summary.feature] =
+          study_.kind == StudyKind::kNumeric
+              ? study_.conditions[static_cast<size_t>(trial.condition)].noise_sd
+              : feature.inlier_error_px.root();
+    }
+    return bound_of(study_, positions_, trial, noise_px);
+  }
+
+  static void add_estimate(const EstimateRecord* estimate, int outliers, CellAccumulator& cell) {
+    if (estimate == nullptr) {
+      ++cell.cell.failures;
+      cell.missed_outliers += outliers;
+      for (ErrorStatistics* error :
+           {&cell.theta_error_deg, &cell.t_error_percent, &cell.geodesic_deg}) {
+        error->add(kInfinity);
+      }
+      return;
+    }
+    cell.theta_error_deg.add(estimate->theta_error_deg);
+    cell.t_error_percent.add(estimate->t_error_percent);
+    cell.geodesic_deg.add(estimate->geodesic_deg);
+    cell.false_removals += estimate->false_removals;
+    cell.missed_outliers += estimate->missed_outliers;
+    cell.exact += estimate->false_removals == 0 && estimate->missed_outliers == 0;
+    if (!estimate->covariance) return;
+    cell.nees.add(estimate->nees);
+    cell.nees_covered += estimate->nees <= kChiSquared6At95;
+  }
+
+  static void add_orientation(const TrialRecord& trial, CellAccumulator& cell) {
+    const OrientationRecord* const record = find_orientation(trial, cell.cell.solver);
+    if (record == nullptr) return;
+    cell.cell.failures += record->failures > 0;
+    cell.cell.failed_copies += record->failures;
+    cell.angle_error_deg.add(record->angle_error_deg);
+    cell.theta_error_deg.add(record->theta_error_deg);
+    cell.geodesic_deg.add(record->geodesic_deg);
+    cell.t_error_percent.add(record->t_error_percent);
+    cell.time_ns.add(record->time_ns);
+  }
+
+  CellSummary finished_cell(const CellAccumulator& accumulator, int trials) const {
+    CellSummary cell = accumulator.cell;
+    cell.trials = trials;
+    const auto statistics = [&](const ErrorStatistics& errors, std::string_view name) {
+      return errors.summary(
+          study_.seed, fmt::format("bootstrap/{}/{}/{}",
+                                   study_.conditions[static_cast<size_t>(cell.condition)].label,
+                                   cell.solver, name));
+    };
+    cell.theta_error_deg = statistics(accumulator.theta_error_deg, "theta_error_deg");
+    cell.t_error_percent = statistics(accumulator.t_error_percent, "t_error_percent");
+    cell.geodesic_deg = statistics(accumulator.geodesic_deg, "geodesic_deg");
+    cell.failure_rate_ci95 = wilson_interval(cell.failures, trials);
+    if (study_.kind == StudyKind::kOrientation) {
+      cell.angle_error_deg = statistics(accumulator.angle_error_deg, "angle_error_deg");
+      if (takes_times(study_)) cell.time_ns = statistics(accumulator.time_ns, "time_ns");
+      return cell;
+    }
+    cell.ratio_to_oracle = accumulator.to_oracle.value();
+    cell.ratio_to_oracle_ci95 = accumulator.to_oracle.ci95();
+    cell.ratio_to_bound = accumulator.to_bound.value();
+    cell.ratio_to_bound_ci95 = accumulator.to_bound.ci95();
+    const ErrorSummary nees = statistics(accumulator.nees, "nees");
+    cell.nees.trials = accumulator.nees.count();
+    cell.nees.mean = nees.mean;
+    cell.nees.mean_ci95 = nees.mean_ci95;
+    if (cell.nees.trials > 0) {
+      cell.nees.coverage95 =
+          static_cast<double>(accumulator.nees_covered) / static_cast<double>(cell.nees.trials);
+    }
+    cell.nees.coverage95_ci95 = wilson_interval(accumulator.nees_covered, cell.nees.trials);
+    if (trials == 0) return cell;
+    cell.false_removals = static_cast<double>(accumulator.false_removals) / trials;
+    cell.missed_outliers = static_cast<double>(accumulator.missed_outliers) / trials;
+    cell.exact_set_rate = static_cast<double>(accumulator.exact) / trials;
+    cell.exact_set_rate_ci95 = wilson_interval(accumulator.exact, trials);
+    return cell;
+  }
+
+  CellObservations finished_observations(const ConditionAccumulator& condition, int index) const {
+    CellObservations cell;
+    cell.condition = index;
+    cell.trials = condition.trials;
+    if (study_.kind == StudyKind::kOrientation) return cell;
+    cell.inlier_rms_px = condition.inlier_error_px.root();
+    if (cell.trials > 0) {
+      cell.found = static_cast<double>(condition.found) / cell.trials;
+      cell.outliers = static_cast<double>(condition.outliers) / cell.trials;
+    }
+    const int bounds = condition.bound_geodesic_deg.count;
+    cell.bound_theta_deg = bounds > 0 ? condition.bound_theta_deg / bounds : kNoNumber;
+    cell.bound_t_percent = bounds > 0 ? condition.bound_t_percent / bounds : kNoNumber;
+    cell.bound_geodesic_deg = condition.bound_geodesic_deg.root();
+    return cell;
+  }
+
+  const Study& study_;
+  Positions positions_;
+  std::vector<ConditionAccumulator> conditions_;
+};
 
 // A key whose values are all whole numbers is a count or a number of a case, written as integers.
 bool is_whole(const Study& study, const std::string& key) {
@@ -362,10 +368,19 @@ Json condition_json(const Study& study, int condition) {
 
 // The library writes numbers that are not finite as null.
 Json error_json(const ErrorSummary& error) {
-  return {{"mean", error.mean},
-          {"mean_ci95", error.mean_ci95},
-          {"median", error.median},
-          {"rms", error.rms}};
+  return {{"mean", error.mean},     {"mean_ci95", error.mean_ci95},
+          {"median", error.median}, {"median_ci95", error.median_ci95},
+          {"rms", error.rms},       {"rms_ci95", error.rms_ci95},
+          {"p90", error.p90},       {"p90_ci95", error.p90_ci95}};
+}
+
+Json nees_json(const NeesSummary& nees) {
+  if (nees.trials == 0) return nullptr;
+  return {{"trials", nees.trials},
+          {"mean", nees.mean},
+          {"mean_ci95", nees.mean_ci95},
+          {"coverage95", nees.coverage95},
+          {"coverage95_ci95", nees.coverage95_ci95}};
 }
 
 Json cell_json(const Study& study, const CellSummary& cell) {
@@ -381,7 +396,12 @@ Json cell_json(const Study& study, const CellSummary& cell) {
                {"false_removals", cell.false_removals},
                {"missed_outliers", cell.missed_outliers},
                {"exact_set_rate", cell.exact_set_rate},
-               {"capped", cell.geodesic_deg.capped}};
+               {"capped", cell.geodesic_deg.capped},
+               {"failure_rate_ci95", cell.failure_rate_ci95},
+               {"exact_set_rate_ci95", cell.exact_set_rate_ci95},
+               {"ratio_to_oracle_ci95", cell.ratio_to_oracle_ci95},
+               {"ratio_to_bound_ci95", cell.ratio_to_bound_ci95},
+               {"nees", nees_json(cell.nees)}};
   if (study.kind == StudyKind::kOrientation) {
     json["copies"] = study.pairs.copies;
     json["failed_copies"] = cell.failed_copies;
@@ -413,27 +433,45 @@ Json feature_json(const Study& study, const FeatureSummary& feature) {
 
 }  // namespace
 
-Summary summarise(const Study& study, std::span<const TrialRecord> trials) {
-  if (study.kind == StudyKind::kOrientation) return summarise_orientations(study, trials);
-  Summary summary;
-  const Positions positions = positions_of(study);
-  for (int condition = 0; condition < static_cast<int>(study.conditions.size()); ++condition) {
-    const Trials of_cell = trials_of(trials, condition);
-    std::vector<FeatureSummary> features;
-    for (const std::string& feature : features_in(of_cell)) {
-      features.push_back(summarise_feature(of_cell, condition, feature));
-    }
-    const auto bounds = bounds_of(study, positions, of_cell, condition, features);
-    CellObservations observations = summarise_observations(of_cell, condition);
-    set_bounds(bounds, observations);
-    for (const std::string& solver : study.solver_names()) {
-      summary.cells.push_back(summarise_cell(study, of_cell, condition, solver));
-      set_ratios(study, of_cell, bounds, observations, summary.cells.back());
-    }
-    summary.observations.push_back(observations);
-    summary.features.insert(summary.features.end(), features.begin(), features.end());
+TrialSource in_order(std::span<const TrialRecord> trials) {
+  std::vector<const TrialRecord*> sorted;
+  for (const TrialRecord& trial : trials) sorted.push_back(&trial);
+  std::sort(sorted.begin(), sorted.end(),
+            [](const TrialRecord* a, const TrialRecord* b) { return a->trial < b->trial; });
+  return [sorted = std::move(sorted)](const TrialVisitor& visit) {
+    for (const TrialRecord* trial : sorted) visit(*trial);
+  };
+}
+
+bool takes_times(const Study& study) {
+  return study.pairs.timed_repeats > 0;
+}
+
+Summary summarise(const Study& study, const TrialSource& trials) {
+  Summariser summariser(study);
+  if (study.kind == StudyKind::kImages) {
+    trials([&](const TrialRecord& trial) { summariser.observe(trial); });
+    trials([&](const TrialRecord& trial) { summariser.judge(trial); });
+  } else {
+    trials([&](const TrialRecord& trial) {
+      summariser.observe(trial);
+      summariser.judge(trial);
+    });
   }
-  return summary;
+  return summariser.finish();
+}
+
+Summary summarise(const Study& study, std::span<const TrialRecord> trials) {
+  return summarise(study, in_order(trials));
+}
+
+std::optional<int64_t> trials_needed(const CellSummary& cell, double target) {
+  std::optional<int64_t> most;
+  for (const ErrorSummary* error : {&cell.theta_error_deg, &cell.t_error_percent}) {
+    const auto needed = trials_for(target, cell.trials, error->mean, error->mean_ci95);
+    if (needed && (!most || *needed > *most)) most = needed;
+  }
+  return most;
 }
 
 std::string to_json(const Study& study, const Summary& summary) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <optional>
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -15,6 +17,17 @@ namespace sightline {
 /// Errors are capped here before means and RMS are taken.
 constexpr double kAngleCapDeg = 20;
 constexpr double kTranslationCapPercent = 20;
+
+/// How the covariances that a solver reports fit its errors (NEES), over the trials that have one.
+struct NeesSummary {
+  int64_t trials = 0;
+  double mean = kNoNumber;  ///< 6 of true covariances, more where they are too small
+  Interval95 mean_ci95 = kNoInterval;
+  /// Trials whose error lies in the reported 95 % region (NEES below the 95 % quantile of
+  /// chi-squared with 6 degrees of freedom).
+  double coverage95 = kNoNumber;
+  Interval95 coverage95_ci95 = kNoInterval;
+};
 
 /// One solver in one cell, over all its trials: a failed trial (or one without an estimate) counts
 /// as an infinite error, removes nothing and keeps all its outliers. What does not apply is NaN
@@ -36,6 +49,12 @@ struct CellSummary {
   double missed_outliers = ErrorSummary::kNone;  ///< outliers kept, a trial
   /// Trials with a pose in which exactly the outliers were removed.
   double exact_set_rate = ErrorSummary::kNone;
+  // 95 % intervals: Wilson's of the rates, RmsRatio's of the ratios.
+  Interval95 failure_rate_ci95 = kNoInterval;
+  Interval95 exact_set_rate_ci95 = kNoInterval;
+  Interval95 ratio_to_oracle_ci95 = kNoInterval;
+  Interval95 ratio_to_bound_ci95 = kNoInterval;
+  NeesSummary nees;  ///< no trials where the solver reports no covariance
 
   // Of an orientation study, whose trials are draws with noisy copies. A trial's errors are means
   // over its copies; the trials with a copy that failed are `failures`.
@@ -80,23 +99,38 @@ struct Summary {
   std::vector<FeatureSummary> features;        ///< by condition, then in the study's order
 };
 
-/// The order of the trials does not matter. Of an orientation study there are cells, and
-/// observations that hold nothing but the number of trials.
+/// Trials that are all in memory, in any order, as a source; they must outlive it.
+TrialSource in_order(std::span<const TrialRecord> trials);
+
+/// Goes through the trials once, or where there are images twice, in memory that does not grow with
+/// their number once each cell has ErrorStatistics::kMostValuesKept. Of an orientation study there
+/// are cells, and observations that hold nothing but the number of trials.
+Summary summarise(const Study& study, const TrialSource& trials);
+
+/// The same of trials in memory, whose order does not matter.
 Summary summarise(const Study& study, std::span<const TrialRecord> trials);
+
+/// How many trials a relative half-width of `target` of the 95 % intervals of a cell's mean
+/// theta_error and T_error needs (trials_for); none of a cell whose trials say nothing.
+std::optional<int64_t> trials_needed(const CellSummary& cell, double target);
 
 /// summary.json: the contract that other programs read; stable order; numbers read back as
 /// they were, null for NaN and infinity. "capped" counts the trials whose geodesic
 /// error is at the cap, failures among them. In an orientation study cells have a method's name as
-/// "solver", and besides "copies" (a trial), "failed_copies" (in all) and "angle_error_deg".
+/// "solver", and besides "copies" (a trial), "failed_copies" (in all) and "angle_error_deg". "nees"
+/// is null of a solver that reports no covariance.
 std::string to_json(const Study& study, const Summary& summary);
 
-/// results.csv: one row a trial and solver, by trial and then in the study's order; no wall times.
-/// RFC 4180 but for its line ends, which are "\n". A failed trial's numbers are empty fields, but
-/// for the removals, which count as in CellSummary. Quaternions are scalar first.
-std::string to_csv(const Study& study, std::span<const TrialRecord> trials);
+/// Writes results.csv: one row a trial and solver, by trial and then in the study's order; no wall
+/// times. RFC 4180 but for its line ends, which are "\n". A failed trial's numbers are empty
+/// fields, but for the removals, which count as in CellSummary. Quaternions are scalar first.
+void write_csv(const Study& study, const TrialSource& trials, std::ostream& out);
 
-/// timings.csv of a study that takes times: one row a trial and method, as in results.csv, with the
-/// mean wall time of a solve; empty of any other study.
-std::string to_timings_csv(const Study& study, std::span<const TrialRecord> trials);
+/// Whether the study takes times, which stand in timings.csv alone.
+bool takes_times(const Study& study);
+
+/// Writes timings.csv: one row a trial and method, as in results.csv, with the mean wall time of a
+/// solve.
+void write_timings_csv(const Study& study, const TrialSource& trials, std::ostream& out);
 
 }  // namespace sightline

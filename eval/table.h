@@ -18,4 +18,8 @@ namespace sightline {
 /// over conditions are of those that have trials.
 std::string to_table(const Study& study, const Summary& summary);
 
+/// How many trials each cell needs for 95 % intervals of its means of +- `target` of them, from the
+/// summary of a pilot: a row a condition, a column a solver, and the most of all.
+std::string plan_table(const Study& study, const Summary& summary, double target);
+
 }  // namespace sightline

@@ -47,7 +47,7 @@ stand at the end.</p>
 )html";
 
 std::string opening(const ReportInput& input) {
-  const auto trials = static_cast<int64_t>(input.trials.size());
+  const auto trials = trials_of(input.summary);
   const size_t conditions = input.study.conditions.size();
   if (conditions < 2) return fmt::format("Over {}:", counted(trials, "trial"));
   const auto run = static_cast<size_t>(conditions_with_trials(input.summary));

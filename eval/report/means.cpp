@@ -90,6 +90,12 @@ double mean_over_conditions(const Summary& summary, double CellObservations::*me
   return conditions > 0 ? sum / conditions : ErrorSummary::kNone;
 }
 
+int64_t trials_of(const Summary& summary) {
+  int64_t trials = 0;
+  for (const CellObservations& cell : summary.observations) trials += cell.trials;
+  return trials;
+}
+
 int conditions_with_trials(const Summary& summary) {
   return static_cast<int>(std::count_if(summary.observations.begin(), summary.observations.end(),
                                         [](const CellObservations& c) { return c.trials > 0; }));

@@ -47,6 +47,9 @@ bool has_paper_figures(const Study& study);
 /// The mean over the conditions that have trials of what their images gave; NaN where none has.
 double mean_over_conditions(const Summary& summary, double CellObservations::*member);
 
+/// The trials of all conditions.
+int64_t trials_of(const Summary& summary);
+
 /// How many conditions have trials.
 int conditions_with_trials(const Summary& summary);
 

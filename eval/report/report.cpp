@@ -11,6 +11,7 @@
 #include <kainjow/mustache.hpp>
 
 #include "eval/report/figures.h"
+#include "eval/report/means.h"
 #include "eval/report/text.h"
 #include "scenes/assets.h"
 #include "scenes/input_error.h"
@@ -80,7 +81,7 @@ std::string render_report(const ReportInput& input) {
       {"study", study.name},
       {"has_reference", !study.reference.empty()},
       {"reference", study.reference},
-      {"trials", counted(static_cast<int64_t>(input.trials.size()), "trial")},
+      {"trials", counted(trials_of(input.summary), "trial")},
       {"seed", fmt::to_string(study.seed)},
       {"has_version", !version(input).empty()},
       {"version", version(input)},

@@ -34,7 +34,7 @@ struct FrameEvidence {
 struct ReportInput {
   const Study& study;
   const Summary& summary;
-  std::span<const TrialRecord> trials;
+  std::span<const TrialRecord> trials;  ///< of a study with images; of others none
   std::span<const FrameEvidence> frames;
   std::map<std::string, std::string> meta;  ///< version, seed, command, machine: the manifest
 };

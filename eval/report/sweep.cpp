@@ -214,7 +214,7 @@ std::string sweep_answer(const ReportInput& input) {
       {"claim", study.claim},
       {"has_verdict", !verdicts.empty()},
       {"verdict", fmt::to_string(fmt::join(verdicts, " "))},
-      {"trials", counted(static_cast<int64_t>(input.trials.size()), "trial")},
+      {"trials", counted(trials_of(input.summary), "trial")},
       {"conditions", counted(condition_count(study), "condition")},
       {"what", is_orientation(study) ? "Method" : "Solver"},
       {"headings", headings},

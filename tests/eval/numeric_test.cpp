@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <set>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -324,6 +325,23 @@ TEST(NumericSummary, LeastSquaresIsOnTheBoundWithoutOutliersAndOffItWithOne) {
   EXPECT_NEAR(summary.observations[0].bound_geodesic_deg, 0.445, 0.03);
 }
 
+TEST(NumericSummary, ReportedCovariancesFitTheErrorsOfTheNoiseThatSolversWereTold) {
+  const Settings settings = {"sweep.outliers=[0, 1]", "noise.pixel_px=0.5", "solvers=['lspe']"};
+  const Study study = study_with("cube-outliers", 1000, settings);
+  const Summary summary = summarise(study, run_all(study));
+  const NeesSummary& nees = summary.cells[0].nees;
+  EXPECT_EQ(nees.trials, 1000);
+  // Chi-squared with 6 degrees of freedom has variance 12; four deviations of 1000 trials.
+  EXPECT_NEAR(nees.mean, 6, 4 * std::sqrt(12 / 1000.0));
+  EXPECT_NEAR(nees.coverage95, 0.95, 4 * std::sqrt(0.05 * 0.95 / 1000));
+  EXPECT_LT(summary.cells[1].nees.coverage95, 0.5) << "an outlier is not in the covariance";
+  // Told nothing of the noise, least squares reports no covariance.
+  Settings untold = settings;
+  untold.push_back("solver.sigma=unknown");
+  const Study secret = study_with("cube-outliers", 5, untold);
+  EXPECT_EQ(summarise(secret, run_all(secret)).cells[0].nees.trials, 0);
+}
+
 TEST(NumericSummary, BoundFollowsTheNoiseAppliedAndThereIsNoneWithoutNoise) {
   const Study study = study_with("cube-noise", 20);
   const Study louder = study_with("cube-noise", 20, {"noise.scale=2"});
@@ -406,14 +424,20 @@ TEST(OrientationTrial, TakesTimesOnlyWhereAsked) {
   const Study timed = study_with("orientation-speed", 1, {"timed_repeats=2", "methods=['fast']"});
   const TrialRecord trial = run_orientation_trial(timed, 0);
   EXPECT_GT(trial.orientations[0].time_ns, 0);
-  EXPECT_THAT(to_timings_csv(timed, {{trial}}),
+  const std::vector<TrialRecord> trials = {trial};
+  std::ostringstream timings;
+  std::ostringstream csv;
+  write_timings_csv(timed, in_order(trials), timings);
+  write_csv(timed, in_order(trials), csv);
+  EXPECT_TRUE(takes_times(timed));
+  EXPECT_THAT(timings.str(),
               testing::StartsWith("trial,condition,points,solver,time_ns\n0,3 points,3,fast,"));
-  EXPECT_THAT(to_csv(timed, {{trial}}), testing::Not(HasSubstr("time")));
-  EXPECT_THAT(to_json(timed, summarise(timed, {{trial}})), testing::Not(HasSubstr("time")));
+  EXPECT_THAT(csv.str(), testing::Not(HasSubstr("time")));
+  EXPECT_THAT(to_json(timed, summarise(timed, trials)), testing::Not(HasSubstr("time")));
   const Study untimed = study_with("orientation-points", 1);
   const TrialRecord other = run_orientation_trial(untimed, 0);
   EXPECT_TRUE(std::isnan(other.orientations[0].time_ns));
-  EXPECT_EQ(to_timings_csv(untimed, {{other}}), "");
+  EXPECT_FALSE(takes_times(untimed));
 }
 
 }  // namespace

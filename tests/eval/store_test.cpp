@@ -99,6 +99,12 @@ void expect_same(const EstimateRecord& a, const EstimateRecord& b) {
   EXPECT_EQ(a.removed, b.removed);
   EXPECT_EQ(a.false_removals, b.false_removals);
   EXPECT_EQ(a.missed_outliers, b.missed_outliers);
+  expect_same_bits(a.nees, b.nees);
+  ASSERT_EQ(a.covariance.has_value(), b.covariance.has_value());
+  if (!a.covariance) return;
+  for (int i = 0; i < 36; ++i) {
+    expect_same_bits(a.covariance->reshaped()(i), b.covariance->reshaped()(i));
+  }
 }
 
 void expect_same(const OrientationRecord& a, const OrientationRecord& b) {
@@ -136,6 +142,13 @@ Pose drawn_pose(RandomStream& random) {
   return {random.rotation(), 1000 * random.normal3()};
 }
 
+Eigen::Matrix<double, 6, 6> drawn_covariance(RandomStream& random) {
+  Eigen::Matrix<double, 6, 6> root;
+  for (double& number : root.reshaped()) number = random.normal();
+  const Eigen::Matrix<double, 6, 6> square = root * root.transpose();
+  return square.selfadjointView<Eigen::Upper>();
+}
+
 // A trial with a different number in every place.
 TrialRecord drawn_trial(int64_t number) {
   RandomStream random(3, "trial", number);
@@ -169,7 +182,9 @@ TrialRecord drawn_trial(int64_t number) {
                                e[6],
                                {"nose", "an 'odd', \"name\" °"},
                                1,
-                               2});
+                               2,
+                               drawn_covariance(random),
+                               random.normal()});
   }
   for (const char* method : {"fast", "umeyama"}) {
     trial.orientations.push_back({method, "degenerate", 3, random.normal(), random.normal(),
@@ -206,6 +221,7 @@ TEST_F(StoreTest, KeepsTrialsWithoutObservationsBetweenOthers) {
   trials[1].observations.clear();
   trials[2].estimates.clear();
   trials[3].estimates[0].removed.clear();
+  trials[3].estimates[1].covariance.reset();
   Store store = Store::create(file(), {});
   store.add(trials);
   expect_same(store.trials(), trials);
@@ -223,6 +239,42 @@ TEST_F(StoreTest, IsEmptyAtFirstAndAfterAddingNothing) {
   Store store = Store::create(file(), {});
   store.add({});
   EXPECT_TRUE(store.trials().empty());
+}
+
+TEST_F(StoreTest, KnowsWhatItHolds) {
+  Store store = Store::create(file(), {});
+  EXPECT_FALSE(store.first_trial());
+  store.add(std::vector{drawn_trial(4), drawn_trial(2)});
+  EXPECT_EQ(store.size(), 2);
+  EXPECT_EQ(store.first_trial(), 2);
+  EXPECT_TRUE(store.holds(4));
+  EXPECT_FALSE(store.holds(3));
+  EXPECT_EQ(store.held(4), (std::vector{false, false, true, false}));
+}
+
+// Other programs read the file by its description.
+TEST_F(StoreTest, IsDescribedWithEveryTableAndColumn) {
+  Store::create(file(), {});
+  const std::string text = [] {
+    std::ifstream stream(std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "docs" / "store.md");
+    return std::string(std::istreambuf_iterator<char>(stream), {});
+  }();
+  SQLite::Database database(file().string());
+  EXPECT_THAT(text, HasSubstr(fmt::format("version {}",
+                                          database.execAndGet("PRAGMA user_version").getInt())));
+  SQLite::Statement columns(database,
+                            "SELECT m.name, p.name FROM sqlite_master m, pragma_table_info(m.name) "
+                            "p WHERE m.type = 'table'");
+  int count = 0;
+  for (; columns.executeStep(); ++count) {
+    const std::string table = columns.getColumn(0).getString();
+    const std::string column = columns.getColumn(1).getString();
+    const size_t section = text.find("## " + table);
+    ASSERT_NE(section, std::string::npos) << table;
+    const std::string body = text.substr(section, text.find("\n## ", section) - section);
+    EXPECT_THAT(body, HasSubstr("`" + column + "`")) << table;
+  }
+  EXPECT_GT(count, 70);
 }
 
 TEST_F(StoreTest, KeepsItsMeta) {
@@ -344,7 +396,7 @@ TEST_F(StoreTest, IsNotOpenedFromAnotherVersion) {
   Store::create(file(), {});
   SQLite::Database(file().string(), SQLite::OPEN_READWRITE).exec("PRAGMA user_version = 1");
   expect_complaint(complaint([&] { Store::open(file()); }), file(),
-                   "results of version 1; this program reads version 3");
+                   "results of version 1; this program reads version 4");
 }
 
 TEST_F(StoreTest, SaysSoWhenTheFileIsCutShort) {

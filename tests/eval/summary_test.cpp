@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -22,6 +23,12 @@ using ::testing::ElementsAre;
 using Json = nlohmann::ordered_json;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::string to_csv(const Study& study, const std::vector<TrialRecord>& trials) {
+  std::ostringstream text;
+  write_csv(study, in_order(trials), text);
+  return text.str();
+}
 
 Study two_poses() {
   Study study;
@@ -282,6 +289,33 @@ TEST(Summary, OfACellThatNothingCameOfHasNoNumbersButTheCap) {
   EXPECT_TRUE(std::isnan(summary.observations[1].inlier_rms_px));
 }
 
+TEST(Summary, HasWilsonIntervalsOfItsRates) {
+  const Summary summary = summarise(two_poses(), handmade_trials());
+  const CellSummary& orpe = cell_of(summary, 0, "orpe");
+  EXPECT_EQ(orpe.failure_rate_ci95, wilson_interval(1, 3));
+  EXPECT_EQ(orpe.exact_set_rate_ci95, wilson_interval(1, 3));
+  EXPECT_LT(orpe.ratio_to_oracle_ci95[0], orpe.ratio_to_oracle);
+  EXPECT_GT(orpe.ratio_to_oracle_ci95[1], orpe.ratio_to_oracle);
+}
+
+TEST(Summary, SaysHowReportedCovariancesFit) {
+  std::vector<TrialRecord> trials = handmade_trials();
+  for (const size_t i : {0u, 2u, 3u}) {
+    trials[i].estimates[1].covariance.emplace().setIdentity();
+    trials[i].estimates[1].nees = i == 0 ? 12.5 : i == 2 ? 12.7 : 5.0;  // the bound is 12.59
+  }
+  const Summary summary = summarise(two_poses(), trials);
+  const NeesSummary& nees = cell_of(summary, 0, "lspe").nees;
+  EXPECT_EQ(nees.trials, 3);
+  EXPECT_DOUBLE_EQ(nees.mean, (12.5 + 12.7 + 5.0) / 3);
+  EXPECT_DOUBLE_EQ(nees.coverage95, 2 / 3.0);
+  EXPECT_EQ(nees.coverage95_ci95, wilson_interval(2, 3));
+  EXPECT_EQ(cell_of(summary, 0, "orpe").nees.trials, 0) << "it reports none";
+  const Json json = Json::parse(to_json(two_poses(), summary));
+  EXPECT_EQ(json["cells"][1]["nees"]["trials"], 3);
+  EXPECT_TRUE(json["cells"][0]["nees"].is_null());
+}
+
 TEST(Summary, CountsAMissingEstimateAsAFailure) {
   std::vector<TrialRecord> trials = handmade_trials();
   trials[0].estimates.erase(trials[0].estimates.begin());
@@ -314,7 +348,7 @@ TEST(Summary, DependsOnTheSeedInItsIntervalsAlone) {
 
 TEST(Summary, OfNoTrialsIsThereAllTheSame) {
   const Study study = two_poses();
-  const Summary summary = summarise(study, {});
+  const Summary summary = summarise(study, std::vector<TrialRecord>{});
   ASSERT_EQ(summary.cells.size(), 6);
   EXPECT_EQ(summary.cells[0].trials, 0);
   EXPECT_NO_THROW(Json::parse(to_json(study, summary)));
@@ -365,9 +399,12 @@ TEST(SummaryJson, HasTheKeysOfTheContract) {
     EXPECT_THAT(keys_of(cell),
                 ElementsAre("condition", "solver", "trials", "failures", "theta_error_deg",
                             "t_error_percent", "geodesic_deg", "ratio_to_oracle", "ratio_to_bound",
-                            "false_removals", "missed_outliers", "exact_set_rate", "capped"));
+                            "false_removals", "missed_outliers", "exact_set_rate", "capped",
+                            "failure_rate_ci95", "exact_set_rate_ci95", "ratio_to_oracle_ci95",
+                            "ratio_to_bound_ci95", "nees"));
     for (const char* error : {"theta_error_deg", "t_error_percent", "geodesic_deg"}) {
-      EXPECT_THAT(keys_of(cell[error]), ElementsAre("mean", "mean_ci95", "median", "rms"));
+      EXPECT_THAT(keys_of(cell[error]), ElementsAre("mean", "mean_ci95", "median", "median_ci95",
+                                                    "rms", "rms_ci95", "p90", "p90_ci95"));
       EXPECT_TRUE(cell[error]["mean"].is_number());
       EXPECT_EQ(cell[error]["mean_ci95"].size(), 2);
     }
@@ -462,7 +499,7 @@ TEST(ResultsCsv, HasItsHeaderAndARowATrialAndSolver) {
   const std::string csv = to_csv(two_poses(), handmade_trials());
   EXPECT_EQ(csv.substr(0, csv.find('\n')),
             "trial,condition,noise_px,pose,solver,status,theta_error_deg,t_error_percent,"
-            "geodesic_deg,reprojection_rms_px,add_m,mssd_m,mspd_px,removed,false_removals,"
+            "geodesic_deg,reprojection_rms_px,add_m,mssd_m,mspd_px,nees,removed,false_removals,"
             "missed_outliers,found,outliers,qw,qx,qy,qz,tx_m,ty_m,tz_m,true_qw,true_qx,true_qy,"
             "true_qz,true_tx_m,true_ty_m,true_tz_m");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 12);

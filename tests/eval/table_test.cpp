@@ -282,7 +282,7 @@ mean          4.50      0.75             0.62
 
 TEST(Table, OfNoTrialsHasDashesForNumbers) {
   const Study study = four_poses();
-  const std::string table = to_table(study, summarise(study, {}));
+  const std::string table = to_table(study, summarise(study, std::vector<TrialRecord>{}));
   expect_tidy(table);
   EXPECT_THAT(table, HasSubstr("0 trials in 0 of 2 conditions"));
   EXPECT_THAT(table, HasSubstr("found of 5"));
