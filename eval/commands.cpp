@@ -13,6 +13,7 @@
 
 #include "eval/catalogue_lists.h"
 #include "eval/interrupt.h"
+#include "eval/output_folder.h"
 #include "eval/run.h"
 #include "eval/table.h"
 #include "eval/target_report.h"
@@ -27,9 +28,12 @@ constexpr int kSomeTrialsNotRunExit = 4;
 
 // results/<study>, or the first of results/<study>-2, -3, ... that is free.
 fs::path free_folder(const std::string& study) {
+  const auto is_taken = [](const fs::path& folder) {
+    return fs::exists(folder) || fs::exists(staging_folder(folder));
+  };
   const fs::path first = fs::path("results") / study;
   fs::path folder = first;
-  for (int i = 2; fs::exists(folder); ++i) folder = fmt::format("{}-{}", first.string(), i);
+  for (int i = 2; is_taken(folder); ++i) folder = fmt::format("{}-{}", first.string(), i);
   return folder;
 }
 
@@ -51,6 +55,7 @@ struct StudyArguments {
   std::string out;
   int jobs = 1;
   std::string shard;
+  bool is_resumed = false;
   bool is_quiet = false;
 };
 
@@ -60,6 +65,7 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
   RunOptions options;
   options.out = arguments.out.empty() ? free_folder(study.name) : fs::path(arguments.out);
   options.jobs = arguments.jobs;
+  options.is_resumed = arguments.is_resumed;
   options.show_progress = !arguments.is_quiet;
   options.command = command;
   if (!arguments.shard.empty()) {
@@ -72,6 +78,10 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
     }
   }
   const RunResult result = run_study(study, options);
+  if (!arguments.is_quiet && result.resumed_trials > 0) {
+    std::cerr << fmt::format("resumed: {} of {} trials were there\n", result.resumed_trials,
+                             result.trials);
+  }
   if (!arguments.is_quiet) print_result(study, result, options.out);
   return exit_code_of(result);
 }
@@ -82,8 +92,13 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
       "study", "Run a study: render, extract, solve, compare with the truth, report");
   sub->add_option("study", arguments->study, "Name (see `sightline list studies`) or a .toml file")
       ->required();
-  sub->add_option("--out", arguments->out,
-                  "Folder for the results [results/<study>, or -2, -3, ... if that exists]");
+  CLI::Option* out =
+      sub->add_option("--out", arguments->out,
+                      "Folder for the results [results/<study>, or -2, -3, ... if that exists]");
+  sub->add_flag("--resume", arguments->is_resumed,
+                "Continue what a run into --out left that was killed or failed; begin where there "
+                "is none. Finished trials then outlive an interrupt too")
+      ->needs(out);
   sub->add_option("--trials", arguments->overrides.trials,
                   "Trials of each condition, instead of the study's");
   sub->add_option("--seed", arguments->overrides.seed, "Seed of all random draws")

@@ -6,10 +6,12 @@
 
 namespace sightline {
 
-/// The user pressed Ctrl-C or the system asked the program to end.
+/// The user pressed Ctrl-C or the system asked the program to end. The text says what became of the
+/// work.
 class Interrupted : public std::runtime_error {
  public:
-  Interrupted() : std::runtime_error("interrupted") {}
+  Interrupted() : std::runtime_error("interrupted; nothing was written") {}
+  using std::runtime_error::runtime_error;
 };
 
 /// From here on the first signal that asks the process to end is remembered instead, so that long

@@ -55,8 +55,8 @@ int main(int argc, char** argv) {
     return exit_code;
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageExit;
-  } catch (const sightline::Interrupted&) {
-    std::cerr << "\nsightline: interrupted; nothing was written\n";
+  } catch (const sightline::Interrupted& interrupted) {
+    std::cerr << "\nsightline: " << in_one_line(interrupted.what()) << '\n';
     return kInterruptedExit;
   } catch (const std::bad_alloc&) {
     std::cerr << "sightline: out of memory\n";

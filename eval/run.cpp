@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <optional>
+#include <string_view>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
@@ -30,11 +31,15 @@ namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
+using Json = nlohmann::json;
 using Meta = std::map<std::string, std::string>;
 
 constexpr const char* kStoreFile = "results.sqlite";
-constexpr size_t kImagedTrialsATransaction = 50;
-constexpr size_t kOtherTrialsATransaction = 2000;  // each takes well under a millisecond
+constexpr const char* kReportFile = "report.html";
+constexpr std::string_view kJobPrefix = "job-";
+// What a batch may hold and take, so that a run that is killed loses little.
+constexpr size_t kMostTrialsABatch = 1000;
+constexpr std::chrono::seconds kLongestBatch{1};
 
 std::string machine() {
   utsname system{};
@@ -83,17 +88,21 @@ class TrialRunner {
   std::optional<Renderer> renderer_;
 };
 
-void run_shard(const Study& study, const Shard& shard, Store& store, const Tick& tick) {
-  const size_t batch_size =
-      study.kind == StudyKind::kImages ? kImagedTrialsATransaction : kOtherTrialsATransaction;
+// Runs the trials of a shard that are not done yet.
+void run_shard(const Study& study, const Shard& shard, const std::vector<bool>& done, Store& store,
+               const Tick& tick) {
+  using Clock = std::chrono::steady_clock;
   TrialRunner runner(study);
   std::vector<TrialRecord> batch;
+  Clock::time_point batch_start = Clock::now();
   for (int64_t index = shard.index; index < study.trial_count(); index += shard.count) {
+    if (done[static_cast<size_t>(index)]) continue;
     stop_if_interrupted();
     batch.push_back(runner.run(index));
-    if (batch.size() == batch_size) {
+    if (batch.size() == kMostTrialsABatch || Clock::now() - batch_start > kLongestBatch) {
       store.add(batch);
       batch.clear();
+      batch_start = Clock::now();
     }
     tick();
   }
@@ -105,37 +114,71 @@ int64_t trials_in(const Study& study, const Shard& shard) {
   return shard.index >= count ? 0 : (count - shard.index + shard.count - 1) / shard.count;
 }
 
-// Runs a share of the trials in `jobs` processes, each with a store of its own, and joins them.
-void run_jobs(const Study& study, const RunOptions& options, const OutputFolder& folder,
-              Store& store) {
-  const int64_t share_size = trials_in(study, options.shard);
-  Progress progress(study.name, share_size, options.show_progress);
-  const int jobs = static_cast<int>(std::clamp<int64_t>(share_size, 1, options.jobs));
-  if (jobs == 1) {
-    run_shard(study, options.shard, store, [&progress] { progress.advance(1); });
-    return;
+// The stores of the processes that share a run's work.
+std::vector<fs::path> job_files(const fs::path& staging) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(staging)) {
+    const fs::path& file = entry.path();
+    const bool is_store = file.extension() == ".sqlite";
+    if (is_store && file.filename().string().starts_with(kJobPrefix)) files.push_back(file);
   }
-  const auto job_file = [&folder](int job) { return folder / fmt::format("job-{}.sqlite", job); };
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+// Moves the trials of all job stores into the run's own. One transaction takes a whole store over,
+// so that one whose first trial is there has been before, by a run that was killed right then.
+void join_jobs(const fs::path& staging, Store& store) {
+  for (const fs::path& file : job_files(staging)) {
+    const std::optional<int64_t> first = Store::open(file).first_trial();
+    if (first && !store.holds(*first)) store.add_all_of(file);
+    fs::remove(file);
+  }
+}
+
+// Runs what is not done of a share of the trials in `jobs` processes, each with a store of its own,
+// and joins them. Returns how many trials were done before.
+int64_t run_jobs(const Study& study, const RunOptions& options, const OutputFolder& folder,
+                 Store& store) {
+  join_jobs(folder.staging(), store);
+  const std::vector<bool> done = store.held(study.trial_count());
+  const int64_t done_before = store.size();
+  const int64_t to_do = trials_in(study, options.shard) - done_before;
+  Progress progress(study.name, to_do, options.show_progress);
+  const int jobs = static_cast<int>(std::clamp<int64_t>(to_do, 1, options.jobs));
+  if (jobs == 1) {
+    run_shard(study, options.shard, done, store, [&progress] { progress.advance(1); });
+    return done_before;
+  }
   const auto work = [&](int job, const Tick& tick) {
     const Shard share{options.shard.index + options.shard.count * job, options.shard.count * jobs};
-    Store job_store = Store::create(job_file(job), meta_of(study, share));
-    run_shard(study, share, job_store, tick);
+    Store job_store =
+        Store::create(folder / fmt::format("{}{}.sqlite", kJobPrefix, job), meta_of(study, share));
+    run_shard(study, share, done, job_store, tick);
   };
   run_in_processes(jobs, work, [&progress](int64_t n) { progress.advance(n); });
-  for (int job = 0; job < jobs; ++job) {
-    store.add_all_of(job_file(job));
-    fs::remove(job_file(job));
-  }
+  join_jobs(folder.staging(), store);
+  return done_before;
 }
 
 bool could_be_run(const TrialRecord& trial) {
   return !trial.observations.empty() || !trial.orientations.empty();
 }
 
+// A manifest as the report shows it.
+Meta as_texts(const Json& manifest) {
+  Meta texts;
+  if (!manifest.is_object()) return texts;
+  for (const auto& [key, value] : manifest.items()) {
+    texts[key] = value.is_string() ? value.get<std::string>() : value.dump();
+  }
+  return texts;
+}
+
 // Everything that is made from the trials, by a function from file name to path.
 template <typename Folder>
 RunResult write_results(const Study& study, const std::vector<TrialRecord>& trials,
-                        const Meta& manifest, const Folder& folder) {
+                        const Json& manifest, const Folder& folder) {
   RunResult result;
   result.trials = static_cast<int64_t>(trials.size());
   result.failed_trials = result.trials - std::count_if(trials.begin(), trials.end(), could_be_run);
@@ -152,34 +195,26 @@ RunResult write_results(const Study& study, const std::vector<TrialRecord>& tria
     frames = gather_evidence(study, trials, renderer);
   }
   stop_if_interrupted();
-  write_file(folder / "report.html",
-             render_report({study, result.summary, trials, frames, manifest}));
+  write_file(folder / kReportFile,
+             render_report({study, result.summary, trials, frames, as_texts(manifest)}));
   return result;
 }
 
-std::string to_json_text(const Meta& manifest) {
-  nlohmann::ordered_json json;
-  for (const auto& [key, value] : manifest) json[key] = value;
-  return json.dump(2) + "\n";
-}
-
 // The manifest of a run that is there already; what cannot be read is left out.
-Meta read_manifest(const fs::path& file) {
-  Meta manifest;
+Json read_manifest(const fs::path& file) {
   std::ifstream stream(file);
-  const auto json = nlohmann::json::parse(stream, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) return manifest;
-  for (const auto& [key, value] : json.items()) {
-    if (value.is_string()) manifest[key] = value.get<std::string>();
-  }
-  return manifest;
+  return Json::parse(stream, nullptr, /*allow_exceptions=*/false);
 }
 
-Meta manifest_of(const Study& study, const std::string& command) {
+void write_manifest(const Json& manifest, const OutputFolder& folder) {
+  write_file(folder / "manifest.json", manifest.dump(2) + "\n");
+}
+
+Json manifest_of(const Study& study, const std::string& command) {
   return {{"version", SIGHTLINE_VERSION},
           {"study", study.name},
-          {"seed", fmt::format("{}", study.seed)},
-          {"trials", fmt::format("{}", study.trial_count())},
+          {"seed", study.seed},
+          {"trials", study.trial_count()},
           {"command", command},
           {"machine", machine()},
           {"started",
@@ -210,26 +245,125 @@ void require_same(const Meta& a, const Meta& b, const fs::path& first, const fs:
   }
 }
 
+// Refuses to continue a run that is not the one which is asked for.
+void require_same_run(const Meta& there, const Meta& asked, const fs::path& file) {
+  for (const char* key : {"version", "study", "seed", "trials", "shard", "study_toml"}) {
+    const auto value = there.find(key);
+    if (value != there.end() && value->second == asked.at(key)) continue;
+    if (std::string_view(key) == "study_toml") {
+      throw InputError(fmt::format("--resume: {} was begun with other keys of the study {}",
+                                   file.string(), asked.at("study")));
+    }
+    throw InputError(fmt::format("--resume: {} was begun with {} {}, not {}", file.string(), key,
+                                 value == there.end() ? "unknown" : value->second, asked.at(key)));
+  }
+}
+
+// How many trials an ended run left beside its folder, in all its stores that can be read.
+int64_t finished_trials(const fs::path& staging) {
+  std::vector<fs::path> files = job_files(staging);
+  if (fs::exists(staging / kStoreFile)) files.push_back(staging / kStoreFile);
+  int64_t count = 0;
+  for (const fs::path& file : files) {
+    try {
+      count += Store::open(file).size();
+    } catch (const InputError&) {
+      continue;  // its reader will say what is wrong with it
+    }
+  }
+  return count;
+}
+
+void refuse_finished_trials(OutputFolder& folder, const fs::path& out) {
+  const int64_t count = finished_trials(folder.staging());
+  if (count == 0) return;
+  folder.keep();
+  throw InputError(
+      fmt::format("--out {}: an ended run left {} finished trial{} in {}; continue it with "
+                  "--resume, or remove that folder",
+                  out.string(), count, count == 1 ? "" : "s", folder.staging().string()));
+}
+
+// The store of the run: a new one, or what an ended run left.
+Store store_for(OutputFolder& folder, const RunOptions& options, const Meta& meta) {
+  const fs::path file = folder / kStoreFile;
+  if (!options.is_resumed || !fs::exists(file)) {
+    refuse_finished_trials(folder, options.out);
+    folder.clear();
+    return Store::create(file, meta);
+  }
+  folder.keep();
+  Store store = Store::open(file);
+  require_same_run(store.meta(), meta, folder.staging());
+  return store;
+}
+
+// To be called where the work fails: keeps what is finished, and returns the words for that.
+std::string keep_finished(OutputFolder& folder) {
+  const int64_t count = finished_trials(folder.staging());
+  folder.keep(count > 0);
+  if (count == 0) return "";
+  return fmt::format("; {} finished trial{} kept for --resume", count,
+                     count == 1 ? " is" : "s are");
+}
+
+// A run that is complete, of which nothing is left to do; none where there is no such run.
+std::optional<RunResult> complete_run(const Study& study, const RunOptions& options) {
+  const fs::path file = options.out / kStoreFile;
+  std::error_code none;  // who may not look will hear so when the folder is to be written
+  if (!fs::exists(file, none) || !fs::exists(options.out / kReportFile, none)) return std::nullopt;
+  const Store store = Store::open(file);
+  require_same_run(store.meta(), meta_of(study, options.shard), options.out);
+  const std::vector<TrialRecord> trials = store.trials();
+  RunResult result;
+  result.summary = summarise(study, trials);
+  result.trials = static_cast<int64_t>(trials.size());
+  result.resumed_trials = result.trials;
+  result.failed_trials = result.trials - std::count_if(trials.begin(), trials.end(), could_be_run);
+  return result;
+}
+
+RunResult run_into(OutputFolder& folder, Store& store, const Study& study,
+                   const RunOptions& options) {
+  const auto start = std::chrono::steady_clock::now();
+  Json manifest = manifest_of(study, options.command);
+  const int64_t resumed_trials = run_jobs(study, options, folder, store);
+  manifest["jobs"] = options.jobs;
+  manifest["shard"] = fmt::format("{}/{}", options.shard.index, options.shard.count);
+  if (resumed_trials > 0) manifest["resumed_trials"] = resumed_trials;
+  if (study.kind == StudyKind::kImages) manifest["renderer"] = Renderer().description();
+
+  RunResult result = write_results(study, store.trials(), manifest, folder);
+  result.resumed_trials = resumed_trials;
+  const auto wall = std::chrono::steady_clock::now() - start;
+  manifest["wall_s"] = std::chrono::duration_cast<std::chrono::milliseconds>(wall).count() / 1e3;
+  write_file(folder / "study.toml", study.toml);
+  write_manifest(manifest, folder);
+  folder.commit();
+  return result;
+}
+
 }  // namespace
 
 RunResult run_study(const Study& study, const RunOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
-  OutputFolder folder(options.out);
-  Meta manifest = manifest_of(study, options.command);
-  Store store = Store::create(folder / kStoreFile, meta_of(study, options.shard));
-  run_jobs(study, options, folder, store);
-  manifest["jobs"] = fmt::format("{}", options.jobs);
-  manifest["shard"] = fmt::format("{}/{}", options.shard.index, options.shard.count);
-  if (study.kind == StudyKind::kImages) manifest["renderer"] = Renderer().description();
-
-  const RunResult result = write_results(study, store.trials(), manifest, folder);
-  const double wall_s =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  manifest["wall_s"] = fmt::format("{:.3f}", wall_s);
-  write_file(folder / "study.toml", study.toml);
-  write_file(folder / "manifest.json", to_json_text(manifest));
-  folder.commit();
-  return result;
+  if (options.is_resumed) {
+    if (const std::optional<RunResult> result = complete_run(study, options)) return *result;
+  }
+  OutputFolder folder(options.out, OutputFolder::Leftovers::kKeep);
+  Store store = store_for(folder, options, meta_of(study, options.shard));
+  try {
+    return run_into(folder, store, study, options);
+  } catch (const Interrupted&) {
+    if (!options.is_resumed) throw;
+    const std::string kept = keep_finished(folder);
+    if (kept.empty()) throw;
+    throw Interrupted("interrupted" + kept);
+  } catch (const InputError& error) {
+    throw InputError(error.what() + keep_finished(folder));
+  } catch (...) {
+    keep_finished(folder);
+    throw;
+  }
 }
 
 RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
@@ -264,14 +398,16 @@ RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
             [](const TrialRecord& a, const TrialRecord& b) { return a.trial < b.trial; });
 
   const Study study = study_from_meta(metas.front(), shards.front() / kStoreFile);
-  OutputFolder folder(out);
+  OutputFolder folder(out, OutputFolder::Leftovers::kKeep);
+  refuse_finished_trials(folder, out);
+  folder.clear();
   Store store = Store::create(folder / kStoreFile, meta_of(study, Shard{}));
   store.add(trials);
-  Meta manifest = manifest_of(study, command);
+  Json manifest = manifest_of(study, command);
   manifest["shard"] = fmt::format("merged from {}", count);
   const RunResult result = write_results(study, trials, manifest, folder);
   write_file(folder / "study.toml", study.toml);
-  write_file(folder / "manifest.json", to_json_text(manifest));
+  write_manifest(manifest, folder);
   folder.commit();
   return result;
 }

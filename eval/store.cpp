@@ -63,6 +63,9 @@ CREATE TABLE orientations (
 constexpr int kSqliteConstraint = 19;
 constexpr int kSqliteNotADatabase = 26;
 
+// For another process that looks into the file.
+constexpr int kMostWaitMs = 30'000;
+
 // Writes the columns of a row from left to right.
 class RowWriter {
  public:
@@ -265,15 +268,11 @@ auto on_file(const std::filesystem::path& file, const char* what_failed, const A
   }
 }
 
-// Makes an empty file, which is an empty SQLite database, only where there is none yet.
-void make_new_file(const std::filesystem::path& file) {
-  std::FILE* const handle = std::fopen(file.c_str(), "wx");
+// Makes an empty file, which is an empty SQLite database.
+void make_empty_file(const std::filesystem::path& file) {
+  std::FILE* const handle = std::fopen(file.c_str(), "w");
   if (handle == nullptr) {
-    const int reason = errno;
-    if (reason == EEXIST) {
-      throw InputError(fmt::format("{}: exists already; name a new file", file.string()));
-    }
-    throw InputError(fmt::format("{}: cannot be created ({})", file.string(), strerror(reason)));
+    throw InputError(fmt::format("{}: cannot be created ({})", file.string(), strerror(errno)));
   }
   std::fclose(handle);
 }
@@ -307,7 +306,7 @@ struct Store::Impl {
   // The default journal is named because the faster one (WAL) breaks on network file systems.
   explicit Impl(std::filesystem::path path)
       : file(std::move(path)),
-        database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX) {
+        database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX, kMostWaitMs) {
     database.exec("PRAGMA journal_mode = DELETE");
     database.exec("PRAGMA foreign_keys = ON");
   }
@@ -323,11 +322,23 @@ Store::~Store() = default;
 
 Store Store::create(const std::filesystem::path& file,
                     const std::map<std::string, std::string>& meta) {
-  make_new_file(file);
+  if (std::filesystem::exists(file)) {
+    throw InputError(fmt::format("{}: exists already; name a new file", file.string()));
+  }
+  const std::filesystem::path partial = file.string() + ".partial";
+  std::error_code error;
+  std::filesystem::remove(partial.string() + "-journal", error);
+  make_empty_file(partial);
   return on_file(file, "cannot be written", [&] {
-    auto impl = std::make_unique<Impl>(file);
-    write_schema(impl->database, meta);
-    return Store(std::move(impl));
+    {
+      Impl impl(partial);
+      write_schema(impl.database, meta);
+    }
+    std::filesystem::rename(partial, file, error);
+    if (error) {
+      throw InputError(fmt::format("{}: cannot be created ({})", file.string(), error.message()));
+    }
+    return Store(std::make_unique<Impl>(file));
   });
 }
 
@@ -388,6 +399,40 @@ std::vector<TrialRecord> Store::trials() const {
     read_into(impl_->database, "estimates", records, read_estimate);
     read_into(impl_->database, "orientations", records, read_orientation);
     return records;
+  });
+}
+
+int64_t Store::size() const {
+  return on_file(impl_->file, "cannot be read", [&]() -> int64_t {
+    return impl_->database.execAndGet("SELECT count(*) FROM trials").getInt64();
+  });
+}
+
+std::vector<bool> Store::held(int64_t end) const {
+  return on_file(impl_->file, "cannot be read", [&] {
+    std::vector<bool> held(static_cast<size_t>(end));
+    SQLite::Statement select(impl_->database, "SELECT trial FROM trials");
+    while (select.executeStep()) {
+      const int64_t trial = select.getColumn(0).getInt64();
+      if (trial >= 0 && trial < end) held[static_cast<size_t>(trial)] = true;
+    }
+    return held;
+  });
+}
+
+std::optional<int64_t> Store::first_trial() const {
+  return on_file(impl_->file, "cannot be read", [&]() -> std::optional<int64_t> {
+    SQLite::Statement select(impl_->database, "SELECT min(trial) FROM trials");
+    if (!select.executeStep() || select.getColumn(0).isNull()) return std::nullopt;
+    return select.getColumn(0).getInt64();
+  });
+}
+
+bool Store::holds(int64_t trial) const {
+  return on_file(impl_->file, "cannot be read", [&] {
+    SQLite::Statement select(impl_->database, "SELECT 1 FROM trials WHERE trial = ?");
+    select.bind(1, trial);
+    return select.executeStep();
   });
 }
 

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,14 +15,15 @@
 
 namespace sightline {
 
-/// The trials of one run in one SQLite file (schema in store.cpp, its version in the file's
-/// user_version). One writer a file. What is read back equals what was added bit by bit (any NaN as
-/// the quiet NaN), so that joined shards equal one run. Throws InputError when the file cannot be
-/// made, read or written.
+/// The trials of one run in one SQLite file (schema in docs/store.md, its version in the file's
+/// user_version). One writer a file; readers may look meanwhile. What is read back equals what was
+/// added bit by bit (any NaN as the quiet NaN), so that joined shards equal one run. Throws
+/// InputError when the file cannot be made, read or written.
 class Store {
  public:
   /// Makes a new store; the file must not exist, its folder must. `meta` is kept as key and value
-  /// (study, seed, version, shard...).
+  /// (study, seed, version, shard...). A process that is killed meanwhile leaves no file of that
+  /// name, so that a store which is there is one.
   static Store create(const std::filesystem::path& file,
                       const std::map<std::string, std::string>& meta);
   /// Opens a store that exists, to read it or to add to it; a write-protected file
@@ -41,6 +44,13 @@ class Store {
 
   /// All trials, by their number.
   std::vector<TrialRecord> trials() const;
+  /// How many there are.
+  int64_t size() const;
+  /// Whether the store holds each of the trials 0 to `end` - 1.
+  std::vector<bool> held(int64_t end) const;
+  /// The least number of a trial; none of an empty store.
+  std::optional<int64_t> first_trial() const;
+  bool holds(int64_t trial) const;
   std::map<std::string, std::string> meta() const;
 
  private:

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -54,10 +55,17 @@ void write_all(int file, std::string_view text) {
   _exit(1);
 }
 
+// A worker whose parent was killed would go on for nobody, and hold what a new run needs.
+void end_with_parent(pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);  // it was killed before
+}
+
 Worker start(int index, const std::vector<Worker>& earlier,
              const std::function<void(int, const Tick&)>& work) {
   int ends[2];
   if (pipe(ends) != 0) throw std::runtime_error(fmt::format("pipe: {}", std::strerror(errno)));
+  const pid_t parent = getpid();
   const pid_t process = fork();
   if (process < 0) {
     const std::string reason = std::strerror(errno);
@@ -70,6 +78,7 @@ Worker start(int index, const std::vector<Worker>& earlier,
     for (const Worker& other : earlier) {
       if (other.pipe >= 0) close(other.pipe);
     }
+    end_with_parent(parent);
     work_and_exit(index, ends[1], work);
   }
   close(ends[1]);

@@ -2,9 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The program as a user runs it: real processes, real files.
-#include <algorithm>
-#include <array>
-#include <cstdio>
+#include "tests/eval/program.h"
+
 #include <string>
 
 #include <gmock/gmock.h>
@@ -20,29 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-struct Outcome {
-  int exit_code = -1;
-  std::string output;  // stdout and stderr
-};
-
-Outcome run(const std::string& arguments) {
-  Outcome outcome;
-  const std::string command = "{ " + std::string(SIGHTLINE_PROGRAM) + " " + arguments + "; } 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  std::array<char, 4096> buffer;
-  while (const size_t size = fread(buffer.data(), 1, buffer.size(), pipe)) {
-    outcome.output.append(buffer.data(), size);
-  }
-  const int status = pclose(pipe);
-  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
-}
-
-size_t lines_of(const std::string& text) {
-  return static_cast<size_t>(std::count(text.begin(), text.end(), '\n'));
-}
 
 class Program : public testing::Test {
  protected:
@@ -236,15 +212,25 @@ TEST_F(Program, FoldersThatHadToBeMadeDoNotOutliveAFailure) {
   EXPECT_FALSE(fs::exists(path("a")));
 }
 
-TEST_F(Program, WhatAKilledRunLeftIsSweptByTheNext) {
-  // The number of a process that is no more: that of a child which has ended.
-  const pid_t child = fork();
-  if (child == 0) _exit(0);
-  waitpid(child, nullptr, 0);
-  const fs::path stale = folder_.path() / (".run.partial-" + std::to_string(child));
+TEST_F(Program, WhatARunLeftThatFinishedNothingIsSweptByTheNext) {
+  const fs::path stale = folder_.path() / ".run.partial";
   fs::create_directories(stale);
+  folder_.write(".run.partial/results.sqlite.partial", "half a store");
   ASSERT_EQ(run("study boeing-table1 --trials 1 --quiet --out " + path("run")).exit_code, 0);
   EXPECT_FALSE(fs::exists(stale));
+  EXPECT_FALSE(fs::exists(folder_.path() / "run" / "results.sqlite.partial"));
+}
+
+TEST_F(Program, TheManifestWritesNumbersAsNumbers) {
+  ASSERT_EQ(
+      run("study cube-noise --trials 1 --quiet --seed 3 --jobs 2 --out " + path("run")).exit_code,
+      0);
+  const auto manifest = nlohmann::json::parse(results("run", "manifest.json"));
+  EXPECT_EQ(manifest["seed"], 3);
+  EXPECT_EQ(manifest["jobs"], 2);
+  EXPECT_EQ(manifest["trials"], 9);
+  EXPECT_GT(manifest["wall_s"].get<double>(), 0);
+  EXPECT_TRUE(manifest["version"].is_string());
 }
 
 TEST_F(Program, AnOptionThatDoesNothingIsRefused) {
