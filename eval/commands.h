@@ -10,8 +10,9 @@ class App;
 
 namespace sightline {
 
-/// Adds the subcommands (study, merge, report, list, target) to the program. Parsing runs the one
-/// that was named; it throws InputError, and sets `exit_code` to 4 when trials could not be run.
+/// Adds the subcommands (study, render, merge, report, list, target) to the program. Parsing runs
+/// the one that was named; it throws InputError, and sets `exit_code` to 4 when trials could not be
+/// run or scenes not imaged, and to 1 when a set that is verified is not sound.
 /// `command` is the line as typed, for manifests.
 void add_commands(CLI::App& app, const std::string& command, int& exit_code);
 
