@@ -61,7 +61,7 @@ SetLock::SetLock(const std::filesystem::path& folder, const Shard& shard) {
         fmt::format("--out {}: cannot be written ({})", folder.string(), std::strerror(errno)));
   }
   // The workers of a process that has just been killed may take a moment to end.
-  constexpr int kTries = 40;
+  constexpr int kTries = 20;
   constexpr auto kPause = std::chrono::milliseconds(50);
   for (int i = 0; i < kTries; ++i) {
     {

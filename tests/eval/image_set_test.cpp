@@ -72,7 +72,7 @@ class ImageSet : public testing::Test {
 };
 
 Eigen::Vector3d vector_of(const json& numbers) {
-  return {numbers[0], numbers[1], numbers[2]};
+  return {numbers[0].get<double>(), numbers[1].get<double>(), numbers[2].get<double>()};
 }
 
 Eigen::Matrix3d matrix_of(const json& row_wise) {
@@ -236,27 +236,45 @@ pid_t start(const std::string& arguments) {
   _exit(127);
 }
 
+// The truths of a set and when they were written.
+std::map<std::string, fs::file_time_type> truths_in(const std::string& set) {
+  std::map<std::string, fs::file_time_type> truths;
+  if (!fs::exists(set + "/sightline")) return truths;
+  for (const auto& entry : fs::recursive_directory_iterator(set + "/sightline")) {
+    if (entry.path().extension() == ".json") truths[entry.path()] = entry.last_write_time();
+  }
+  return truths;
+}
+
 TEST_F(ImageSet, KillsLoseNothingAndRepeatNothing) {
-  const std::string arguments = "--count 400 --scene-size 100 --quiet ";
+  constexpr size_t kImages = 600;
+  const std::string arguments = fmt::format("--count {} --scene-size 100 --quiet ", kImages);
   ASSERT_EQ(render("whole", arguments + "--jobs 2").exit_code, 0);
   RandomStream random(7, "kills", 0);
   const std::string command =
       "render cube" + kQuick + "--out " + path("killed") + " " + arguments + "--resume --jobs 2";
   std::map<std::string, fs::file_time_type> written;
+  int kills_at_work = 0;
   for (int kill_number = 0; kill_number < 10; ++kill_number) {
     const pid_t process = start(command);
-    std::this_thread::sleep_for(std::chrono::duration<double>(random.uniform(0.05, 0.4)));
-    kill(process, SIGKILL);
-    waitpid(process, nullptr, 0);
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // its workers end
+    bool is_at_work = true;
+    while (truths_in(path("killed")).size() <= written.size() && is_at_work) {
+      is_at_work = waitpid(process, nullptr, WNOHANG) == 0;
+    }
+    std::this_thread::sleep_for(std::chrono::duration<double>(random.uniform(0, 0.03)));
+    if (is_at_work) {
+      kill(process, SIGKILL);
+      waitpid(process, nullptr, 0);
+      ++kills_at_work;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // its workers end
+    const auto there = truths_in(path("killed"));
     for (const auto& [truth, time] : written) {
-      ASSERT_EQ(fs::last_write_time(truth), time) << truth << " was made again";
+      ASSERT_EQ(there.at(truth), time) << truth << " was made again";
     }
-    if (!fs::exists(path("killed/sightline"))) continue;
-    for (const auto& entry : fs::recursive_directory_iterator(path("killed/sightline"))) {
-      if (entry.path().extension() == ".json") written[entry.path()] = entry.last_write_time();
-    }
+    written = there;
   }
+  EXPECT_GE(kills_at_work, 3);
   const Outcome outcome = run(command);
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   expect_same("whole", "killed");

@@ -83,9 +83,12 @@ std::vector<SetFile> image_files(const SetPlan& plan, const SetImage& image) {
   for (size_t i = 0; i < frame.truth.bodies.size(); ++i) {
     if (frame.truth.bodies[i].is_occluder) continue;
     const std::string name = number + "_" + six_digits(gt++) + ".png";
-    files.push_back({folder + "mask/" + name, png_bytes(frame.truth.bodies[i].amodal_mask)});
-    files.push_back(
-        {folder + "mask_visib/" + name, png_bytes(frame.body_ids == static_cast<int>(i) + 1)});
+    const cv::Mat& whole = frame.truth.bodies[i].amodal_mask;
+    const cv::Mat seen = frame.body_ids == static_cast<int>(i) + 1;
+    const std::string whole_png = png_bytes(whole);
+    const bool is_all_seen = cv::norm(whole, seen, cv::NORM_INF) == 0;
+    files.push_back({folder + "mask/" + name, whole_png});
+    files.push_back({folder + "mask_visib/" + name, is_all_seen ? whole_png : png_bytes(seen)});
   }
   return files;
 }
