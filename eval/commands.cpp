@@ -3,7 +3,6 @@
 #include "eval/commands.h"
 
 #include <algorithm>
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -14,9 +13,11 @@
 #include "eval/catalogue_lists.h"
 #include "eval/compare.h"
 #include "eval/doctor.h"
+#include "eval/image_set/render_command.h"
 #include "eval/interrupt.h"
 #include "eval/output_folder.h"
 #include "eval/run.h"
+#include "eval/shard.h"
 #include "eval/table.h"
 #include "eval/target_report.h"
 #include "scenes/input_error.h"
@@ -87,15 +88,7 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
   options.show_progress = !arguments.is_quiet;
   options.command = command;
   options.renderer.gl = gl_choice(arguments.gl).value();
-  if (!arguments.shard.empty()) {
-    const ShardChoice choice =
-        read_shard(arguments.shard, [](const char* name) { return std::getenv(name); });
-    options.shard = choice.shard;
-    if (!arguments.is_quiet) {
-      std::cerr << fmt::format("shard {} of {} ({})\n", choice.shard.index, choice.shard.count,
-                               choice.source);
-    }
-  }
+  options.shard = chosen_shard(arguments.shard, !arguments.is_quiet);
   const RunResult result = run_study(study, options);
   if (!arguments.is_quiet && result.resumed_trials > 0) {
     std::cerr << fmt::format("resumed: {} of {} trials were there\n", result.resumed_trials,
@@ -257,6 +250,7 @@ void add_doctor(CLI::App& app) {
 
 void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_study(app, command, exit_code);
+  add_render(app, exit_code);
   add_merge(app, command, exit_code);
   add_report(app);
   add_compare(app, exit_code);

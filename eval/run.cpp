@@ -18,12 +18,11 @@
 #include "eval/numeric_trial.h"
 #include "eval/orientation_trial.h"
 #include "eval/output_folder.h"
-#include "eval/progress.h"
 #include "eval/report/evidence.h"
 #include "eval/report/report.h"
+#include "eval/shares.h"
 #include "eval/store.h"
 #include "eval/trial.h"
-#include "eval/workers.h"
 #include "renderer/renderer.h"
 #include "scenes/input_error.h"
 
@@ -110,11 +109,6 @@ void run_shard(const Study& study, const Shard& shard, const RendererOptions& re
   store.add(batch);
 }
 
-int64_t trials_in(const Study& study, const Shard& shard) {
-  const int64_t count = study.trial_count();
-  return shard.index >= count ? 0 : (count - shard.index + shard.count - 1) / shard.count;
-}
-
 // The stores of the processes that share a run's work.
 std::vector<fs::path> job_files(const fs::path& staging) {
   std::vector<fs::path> files;
@@ -144,21 +138,20 @@ int64_t run_jobs(const Study& study, const RunOptions& options, const OutputFold
   join_jobs(folder.staging(), store);
   const std::vector<bool> done = store.held(study.trial_count());
   const int64_t done_before = store.size();
-  const int64_t to_do = trials_in(study, options.shard) - done_before;
-  Progress progress(study.name, to_do, options.show_progress);
-  const int jobs = static_cast<int>(std::clamp<int64_t>(to_do, 1, options.jobs));
-  if (jobs == 1) {
-    run_shard(study, options.shard, options.renderer, done, store,
-              [&progress] { progress.advance(1); });
-    return done_before;
-  }
-  const auto work = [&](int job, const Tick& tick) {
-    const Shard share{options.shard.index + options.shard.count * job, options.shard.count * jobs};
+  const ShardWork shard_work{
+      .label = study.name,
+      .shard = options.shard,
+      .to_do = size_of(options.shard, study.trial_count()) - done_before,
+      .jobs = options.jobs,
+      .show_progress = options.show_progress,
+  };
+  run_shares(shard_work, [&](int job, const Shard& share, const Tick& tick) {
+    if (shard_work.processes() == 1)
+      return run_shard(study, share, options.renderer, done, store, tick);
     Store job_store =
         Store::create(folder / fmt::format("{}{}.sqlite", kJobPrefix, job), meta_of(study, share));
     run_shard(study, share, options.renderer, done, job_store, tick);
-  };
-  run_in_processes(jobs, work, [&progress](int64_t n) { progress.advance(n); });
+  });
   join_jobs(folder.staging(), store);
   return done_before;
 }
@@ -351,7 +344,8 @@ RunResult run_into(OutputFolder& folder, Store& store, const Study& study,
   manifest["jobs"] = options.jobs;
   manifest["shard"] = fmt::format("{}/{}", options.shard.index, options.shard.count);
   if (resumed_trials > 0) manifest["resumed_trials"] = resumed_trials;
-  if (study.kind == StudyKind::kImages) manifest["renderer"] = Renderer(options.renderer).description();
+  if (study.kind == StudyKind::kImages)
+    manifest["renderer"] = Renderer(options.renderer).description();
 
   RunResult result = write_results(study, store, manifest, folder);
   result.resumed_trials = resumed_trials;

@@ -4,6 +4,8 @@
 
 #include <array>
 #include <charconv>
+#include <cstdio>
+#include <cstdlib>
 #include <optional>
 #include <string_view>
 
@@ -84,6 +86,14 @@ ShardChoice read_shard(const std::string& text, const Environment& environment) 
     throw InputError(fmt::format("--shard {}: must read I/N, auto or auto/N", text));
   }
   return checked(text, "given", *index, *count);
+}
+
+Shard chosen_shard(const std::string& option, bool is_told) {
+  if (option.empty()) return {};
+  const auto [shard, source] =
+      read_shard(option, [](const char* name) { return std::getenv(name); });
+  if (is_told) fmt::print(stderr, "shard {} of {} ({})\n", shard.index, shard.count, source);
+  return shard;
 }
 
 }  // namespace sightline

@@ -29,4 +29,8 @@ struct ShardChoice {
 /// its variables.
 ShardChoice read_shard(const std::string& text, const Environment& environment);
 
+/// The shard that the option --shard names, with the process's environment; the whole where it is
+/// empty. Says on stderr which, and by whose word, if `is_told`.
+Shard chosen_shard(const std::string& option, bool is_told);
+
 }  // namespace sightline

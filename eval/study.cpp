@@ -18,6 +18,9 @@ namespace {
 
 constexpr double kMaxTrials = 10'000'000;
 
+// What a file is read for.
+enum class Use { kTrials, kRendering };
+
 std::map<std::string, PaperFigure> read_paper_figures(const TomlTable& table) {
   std::map<std::string, PaperFigure> figures;
   for (const std::string& solver : names_of(pose_solvers())) {
@@ -132,8 +135,9 @@ std::shared_ptr<const Target> read_target(const TomlTable& table) {
   }
 }
 
-void read_features(const TomlTable& table, Study& study) {
+void read_features(const TomlTable& table, Use use, Study& study) {
   const std::vector<std::string> known = names_of(study.target->features);
+  if (known.empty() && use == Use::kRendering && !table.has("features")) return;
   if (known.empty()) {
     table.fail("target", fmt::format("'{}' has no features; a target.toml beside its mesh gives "
                                      "it some",
@@ -300,9 +304,10 @@ void read_setups(const TomlTable& table, Study& study) {
   }
 }
 
-void read_image_study(const TomlTable& table, Study& study) {
-  read_solvers(table, "prior", study);
-  read_target_and_features(table, study);
+void read_image_study(const TomlTable& table, Use use, Study& study) {
+  if (use == Use::kTrials || table.has("solvers")) read_solvers(table, "prior", study);
+  study.target = read_target(table);
+  read_features(table, use, study);
   read_setups(table, study);
   read_setup(table, study);  // the keys as they stand are checked, though all be swept
   study.camera = study.setups.front().scene.camera;
@@ -320,9 +325,12 @@ StudyKind read_kind(const TomlTable& table) {
   return kind == "orientation" ? StudyKind::kOrientation : StudyKind::kImages;
 }
 
-Study read_table(const TomlTable& table, const std::string& fallback_name) {
+Study read_table(const TomlTable& table, const std::string& fallback_name, Use use) {
   Study study;
   study.kind = read_kind(table);
+  if (use == Use::kRendering && study.kind != StudyKind::kImages) {
+    table.fail("kind", "is of a study that renders nothing");
+  }
   study.name = table.text("name", fallback_name);
   require_file_name(table, study.name);
   study.title = table.text("title", study.name);
@@ -333,7 +341,7 @@ Study read_table(const TomlTable& table, const std::string& fallback_name) {
   study.draws = static_cast<int>(table.integer("trials", {1, kMaxTrials}, 100));
   switch (study.kind) {
     case StudyKind::kImages:
-      read_image_study(table, study);
+      read_image_study(table, use, study);
       break;
     case StudyKind::kNumeric:
       read_numeric_study(table, study);
@@ -345,6 +353,20 @@ Study read_table(const TomlTable& table, const std::string& fallback_name) {
   table.reject_unknown_keys();
   study.toml = table.to_toml();
   return study;
+}
+
+Study read_file(const std::string& name_or_path, const StudyOverrides& overrides, Use use) {
+  const std::filesystem::path file = find_study_file(name_or_path);
+  std::vector<std::string> settings = settings_of(overrides);
+  const TomlTable as_written = TomlTable::read_file(file, settings);
+  // The study as run stands on its own: it says its name, and where a target beside it lies.
+  if (!as_written.has("name")) settings.push_back(fmt::format("name='{}'", file.stem().string()));
+  const std::filesystem::path target = as_written.text("target", "");
+  const std::filesystem::path beside = std::filesystem::absolute(file).parent_path() / target;
+  if (target.is_relative() && target.has_extension() && std::filesystem::exists(beside)) {
+    settings.push_back(fmt::format("target='{}'", beside.lexically_normal().string()));
+  }
+  return read_table(TomlTable::read_file(file, settings), file.stem(), use);
 }
 
 }  // namespace
@@ -391,7 +413,7 @@ void read_solvers(const TomlTable& table, const std::string& default_start, Stud
 
 void read_target_and_features(const TomlTable& table, Study& study) {
   study.target = read_target(table);
-  read_features(table, study);
+  read_features(table, Use::kTrials, study);
 }
 
 std::string_view to_string(PoseInput input) {
@@ -416,21 +438,21 @@ std::vector<std::string> Study::solver_names() const {
 }
 
 Study read_study(const std::string& name_or_path, const StudyOverrides& overrides) {
-  const std::filesystem::path file = find_study_file(name_or_path);
-  std::vector<std::string> settings = settings_of(overrides);
-  const TomlTable as_written = TomlTable::read_file(file, settings);
-  // The study as run stands on its own: it says its name, and where a target beside it lies.
-  if (!as_written.has("name")) settings.push_back(fmt::format("name='{}'", file.stem().string()));
-  const std::filesystem::path target = as_written.text("target", "");
-  const std::filesystem::path beside = std::filesystem::absolute(file).parent_path() / target;
-  if (target.is_relative() && target.has_extension() && std::filesystem::exists(beside)) {
-    settings.push_back(fmt::format("target='{}'", beside.lexically_normal().string()));
-  }
-  return read_table(TomlTable::read_file(file, settings), file.stem());
+  return read_file(name_or_path, overrides, Use::kTrials);
+}
+
+Study read_scene(const std::string& name_or_path, const StudyOverrides& overrides) {
+  return read_file(name_or_path, overrides, Use::kRendering);
 }
 
 Study read_study_text(const std::string& toml, const std::filesystem::path& source) {
-  return read_table(TomlTable::read_text(toml, source), source.stem());
+  return read_table(TomlTable::read_text(toml, source), source.stem(), Use::kTrials);
+}
+
+Study read_scene_text(const std::string& toml, const std::filesystem::path& source,
+                      const StudyOverrides& overrides) {
+  return read_table(TomlTable::read_text(toml, source, settings_of(overrides)), source.stem(),
+                    Use::kRendering);
 }
 
 }  // namespace sightline

@@ -186,4 +186,10 @@ Study read_study(const std::string& name_or_path, const StudyOverrides& override
 /// A study from its text as run; `source` stands for the file in errors.
 Study read_study_text(const std::string& toml, const std::filesystem::path& source);
 
+/// What a scene file says, to be rendered only: as a study of images, but it needs no solvers, and
+/// its target no features. A study's name or file is one too.
+Study read_scene(const std::string& name_or_path, const StudyOverrides& overrides = {});
+Study read_scene_text(const std::string& toml, const std::filesystem::path& source,
+                      const StudyOverrides& overrides = {});
+
 }  // namespace sightline

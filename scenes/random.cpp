@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/random.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include <Eigen/Geometry>
 #include <Random123/philox.h>
+
+#include "scenes/normal_kernel.h"
 
 namespace sightline {
 namespace {
@@ -32,13 +35,18 @@ RandomStream::RandomStream(uint64_t seed, std::string_view name, uint64_t index)
   counter_ = {0, 0, static_cast<uint32_t>(index), static_cast<uint32_t>(index >> 32)};
 }
 
+void RandomStream::advance(uint32_t blocks) {
+  counter_[0] += blocks;
+  if (counter_[0] < blocks) ++counter_[1];
+}
+
 uint32_t RandomStream::bits() {
   if (used_ == 4) {
     const r123::Philox4x32 philox;
     const auto block =
         philox({{counter_[0], counter_[1], counter_[2], counter_[3]}}, {{key_[0], key_[1]}});
     for (int i = 0; i < 4; ++i) block_[i] = block[i];
-    if (++counter_[0] == 0) ++counter_[1];
+    advance(1);
     used_ = 0;
   }
   return block_[used_++];
@@ -64,6 +72,19 @@ double RandomStream::normal() {
   spare_normal_ = radius * std::sin(angle);
   has_spare_normal_ = true;
   return radius * std::cos(angle);
+}
+
+void RandomStream::normals(std::span<float> out) {
+  const uint32_t key[2] = {key_[0], key_[1]};
+  float batch[kernel::kNormalBatch];
+  while (!out.empty()) {
+    const uint32_t counter[4] = {counter_[0], counter_[1], counter_[2], counter_[3]};
+    kernel::fill_normals(key, counter, batch);
+    advance(kernel::kNormalBatch / 4);
+    const size_t count = std::min<size_t>(out.size(), kernel::kNormalBatch);
+    std::copy_n(batch, count, out.begin());
+    out = out.subspan(count);
+  }
 }
 
 Eigen::Vector3d RandomStream::normal3() {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string_view>
 
 #include <Eigen/Core>
@@ -25,6 +26,9 @@ class RandomStream {
   double uniform(double low, double high);
   /// Gaussian of mean 0 and standard deviation 1 (Box-Muller).
   double normal();
+  /// Fills `out` with as many independent Gaussians of single precision, for whole rows of pixels:
+  /// twenty times as fast as normal(), and others than that would draw.
+  void normals(std::span<float> out);
   /// Three independent normal().
   Eigen::Vector3d normal3();
   /// A unit vector within `angle_rad` of `axis` (a unit vector), uniform in solid angle.
@@ -33,6 +37,8 @@ class RandomStream {
   Eigen::Matrix3d rotation();
 
  private:
+  void advance(uint32_t blocks);
+
   std::array<uint32_t, 2> key_;
   std::array<uint32_t, 4> counter_;
   std::array<uint32_t, 4> block_{};

@@ -14,7 +14,11 @@ constexpr int kSize = 256;
 constexpr double kPixels = kSize * kSize;
 
 Sensor clean(int bits = 8) {
-  return {.psf_sigma_px = 0, .read_noise_grey = 0, .full_well_electrons = 0, .bits = bits};
+  Sensor sensor;
+  sensor.psf_sigma_px = 0;
+  sensor.read_noise_grey = 0;
+  sensor.bits = bits;
+  return sensor;
 }
 
 RandomStream stream() {
@@ -72,6 +76,56 @@ TEST(Sensor, ThePointSpreadKeepsTheLightAndHasItsWidth) {
   double variance = 0;
   for (int u = 0; u < 41; ++u) variance += cv::sum(image.col(u))[0] * (u - 20) * (u - 20);
   EXPECT_NEAR(variance, 1.2 * 1.2, 0.02);
+}
+
+TEST(Sensor, GainMultipliesSignalAndNoise) {
+  Sensor sensor = clean(16);
+  sensor.read_noise_grey = 2;
+  sensor.gain = 2.5;
+  const cv::Mat image = expose(cv::Mat(kSize, kSize, CV_32F, cv::Scalar(0.2)), sensor, stream());
+  cv::Scalar mean, sd;
+  cv::meanStdDev(image, mean, sd);
+  const double grey = 65535.0 / 255;
+  EXPECT_NEAR(mean[0] / grey, 2.5 * 0.2 * 255, 5 * 5 / std::sqrt(kPixels));
+  EXPECT_NEAR(sd[0] / grey, 5, 5 * 5 / std::sqrt(2 * kPixels));
+}
+
+TEST(Sensor, NoiseIsThatOfItsStream) {
+  const cv::Mat light(64, 100, CV_32F, cv::Scalar(0.5));
+  Sensor sensor = clean();
+  sensor.read_noise_grey = 3;
+  const cv::Mat image = expose(light, sensor, stream());
+  EXPECT_EQ(cv::countNonZero(image != expose(light, sensor, stream())), 0);
+  const cv::Mat other = expose(light, sensor, RandomStream(1, "sensor", 1));
+  EXPECT_GT(cv::countNonZero(image != other), 64 * 100 / 2);
+  EXPECT_GT(cv::countNonZero(image.row(0) != image.row(1)), 100 / 2);
+}
+
+TEST(Sensor, DeadAndHotPixelsAreTheSameInAllFrames) {
+  Sensor sensor = clean(10);
+  sensor.dead_fraction = 0.01;
+  sensor.hot_fraction = 0.002;
+  const auto frame = [&sensor](double light) {
+    return expose(cv::Mat(kSize, kSize, CV_32F, cv::Scalar(light)), sensor, stream());
+  };
+  const cv::Mat image = frame(0.5);
+  EXPECT_EQ(cv::countNonZero(image == 0), std::lround(0.01 * kPixels));
+  EXPECT_EQ(cv::countNonZero(image == 1023), std::lround(0.002 * kPixels));
+  const cv::Mat brighter = frame(0.7);
+  EXPECT_EQ(cv::countNonZero((brighter == 0) != (image == 0)), 0);
+  EXPECT_EQ(cv::countNonZero((brighter == 1023) != (image == 1023)), 0);
+  sensor.dead_fraction = 0.02;  // what was dead stays so
+  EXPECT_EQ(cv::countNonZero((frame(0.5) != 0) & (image == 0)), 0);
+  sensor.defect_seed = 1;
+  EXPECT_GT(cv::countNonZero((frame(0.5) != 0) & (image == 0)), 0);
+}
+
+TEST(Sensor, AllPixelsMayBeDead) {
+  Sensor sensor = clean();
+  sensor.dead_fraction = 1;
+  sensor.hot_fraction = 1;
+  const cv::Mat image = expose(cv::Mat(9, 7, CV_32F, cv::Scalar(0.5)), sensor, stream());
+  EXPECT_EQ(cv::countNonZero(image), 0);
 }
 
 TEST(Sensor, NoNoiseMeansNoNoise) {

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/image_set/set_format.h"
+
+#include <array>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "eval/image_set/formats/formats.h"
+#include "scenes/input_error.h"
+
+namespace sightline {
+namespace {
+
+std::string encoded(const char* extension, const cv::Mat& picture) {
+  std::vector<uchar> bytes;
+  cv::imencode(extension, picture, bytes);  // no parameters: any is slower
+  return {bytes.begin(), bytes.end()};
+}
+
+}  // namespace
+
+std::span<const SetFormat> set_formats() {
+  static const std::array kCatalogue = {bop_format(), speed_format()};
+  return kCatalogue;
+}
+
+const SetFormat& find_set_format(const std::string& name) {
+  std::vector<std::string> names;
+  for (const SetFormat& format : set_formats()) {
+    if (format.name == name) return format;
+    names.emplace_back(format.name);
+  }
+  throw InputError(fmt::format("--format {}: is not known{}", name, suggestion(name, names)));
+}
+
+std::string six_digits(int64_t number) {
+  return fmt::format("{:06}", number);
+}
+
+std::string png_bytes(const cv::Mat& picture) {
+  return encoded(".png", picture);
+}
+
+std::string tiff_bytes(const cv::Mat& picture) {
+  return encoded(".tiff", picture);
+}
+
+cv::Mat read_picture(const std::filesystem::path& file) {
+  try {
+    return cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+    return {};
+  }
+}
+
+}  // namespace sightline
