@@ -19,6 +19,7 @@
 #include "eval/output_folder.h"
 #include "eval/progress.h"
 #include "eval/report/evidence.h"
+#include "eval/report/gnuplot.h"
 #include "eval/report/report.h"
 #include "eval/store.h"
 #include "eval/trial.h"
@@ -152,8 +153,9 @@ RunResult write_results(const Study& study, const std::vector<TrialRecord>& tria
     frames = gather_evidence(study, trials, renderer);
   }
   stop_if_interrupted();
-  write_file(folder / "report.html",
-             render_report({study, result.summary, trials, frames, manifest}));
+  const ReportInput input{study, result.summary, trials, frames, manifest};
+  write_file(folder / "report.html", render_report(input));
+  result.figures_note = write_figures(folder / "figures", report_charts(input));
   return result;
 }
 

@@ -24,12 +24,13 @@ struct RunResult {
   Summary summary;
   int64_t trials = 0;
   int64_t failed_trials = 0;  ///< that could not be imaged at all
+  std::string figures_note;   ///< one line where figures/ lacks its .svg; else empty
 };
 
 /// Runs a study and leaves its folder: study.toml, manifest.json, results.sqlite, results.csv,
-/// summary.json, report.html, and timings.csv where times are taken. With jobs > 1 that many
-/// processes do a share each. Everything is written beside `out` first and takes its name at the
-/// end: on failure nothing is left. Throws InputError when the folder cannot be written.
+/// summary.json, report.html, figures/, and timings.csv where times are taken. With jobs > 1 that
+/// many processes do a share each. Everything is written beside `out` first and takes its name at
+/// the end: on failure nothing is left. Throws InputError when the folder cannot be written.
 RunResult run_study(const Study& study, const RunOptions& options);
 
 /// Joins the folders of shards into one, as if one process had run the study. Throws InputError for
