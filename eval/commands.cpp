@@ -47,6 +47,11 @@ void print_result(const Study& study, const RunResult& result, const fs::path& o
             << "\nreport: " << fs::absolute(out / "report.html").string() << "\n";
 }
 
+// What a user should know of a result that is whole but for its figures.
+void print_note(const RunResult& result) {
+  if (!result.figures_note.empty()) std::cerr << "sightline: " << result.figures_note << "\n";
+}
+
 int exit_code_of(const RunResult& result) {
   if (result.failed_trials == 0) return 0;
   std::cerr << fmt::format("sightline: {} of {} trials could not be imaged (see results.csv)\n",
@@ -95,6 +100,7 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
                              result.trials);
   }
   if (!arguments.is_quiet) print_result(study, result, options.out);
+  print_note(result);
   return exit_code_of(result);
 }
 
@@ -152,6 +158,7 @@ void add_merge(CLI::App& app, const std::string& command, int& exit_code) {
     remember_interrupts();
     const RunResult result = merge_runs(*shards, *out, command);
     std::cout << "report: " << (fs::path(*out) / "report.html").string() << "\n";
+    print_note(result);
     exit_code = exit_code_of(result);
   });
 }
@@ -162,7 +169,7 @@ void add_report(CLI::App& app) {
       "report", "Write a run's results.csv, summary.json and report.html anew from its trials");
   sub->add_option("folder", *folder, "Folder of a run")->required();
   sub->callback([folder] {
-    rewrite_report(*folder);
+    print_note(rewrite_report(*folder));
     std::cout << "report: " << (fs::path(*folder) / "report.html").string() << "\n";
   });
 }

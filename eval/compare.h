@@ -54,9 +54,10 @@ struct Comparison {
 /// the failures by Fisher's test. That is sound for any two runs, and of runs of the same draws
 /// only less sensitive, as what these have in common then counts as noise.
 ///
-/// A number is worse or better where the interval of its change lies beyond the tolerance and its p,
-/// adjusted by Holm over all numbers of the comparison, is below 0.05. `tolerance` is what is allowed on top: a change of a mean by that part of the base's
-/// mean, of failures by that part of the trials.
+/// A number is worse or better where the interval of its change lies beyond the tolerance and its
+/// p, adjusted by Holm over all numbers of the comparison, is below 0.05. `tolerance` is what is
+/// allowed on top: a change of a mean by that part of the base's mean, of failures by that part of
+/// the trials.
 ///
 /// Throws InputError for what cannot be read, and for runs of different studies.
 Comparison compare_runs(const std::filesystem::path& base, const std::filesystem::path& now,

@@ -125,4 +125,40 @@ Localisation LocalisationStatistics::summary() const {
   return out;
 }
 
+ExtractionStatistics::ExtractionStatistics(const Study& study)
+    : cells_(study.conditions.size()), of_both_(study.conditions.size()) {
+  for (const int feature : study.features) {
+    features_.push_back(study.target->features[static_cast<size_t>(feature)].name);
+  }
+  of_features_.resize(features_.size());
+  for (auto& row : of_both_) row.resize(features_.size());
+}
+
+void ExtractionStatistics::add(const TrialRecord& trial) {
+  const auto condition = static_cast<size_t>(trial.condition);
+  cells_[condition].add(trial);
+  for (size_t i = 0; i < features_.size(); ++i) {
+    of_features_[i].add(trial, &features_[i]);
+    of_both_[condition][i].add(trial, &features_[i]);
+  }
+}
+
+Localisation ExtractionStatistics::of_cell(int condition) const {
+  return cells_[static_cast<size_t>(condition)].summary();
+}
+
+Localisation ExtractionStatistics::of_feature(const std::string& feature) const {
+  const auto found = std::find(features_.begin(), features_.end(), feature);
+  return found == features_.end()
+             ? Localisation{}
+             : of_features_[static_cast<size_t>(found - features_.begin())].summary();
+}
+
+Localisation ExtractionStatistics::of(int condition, const std::string& feature) const {
+  const auto found = std::find(features_.begin(), features_.end(), feature);
+  if (found == features_.end()) return {};
+  return of_both_[static_cast<size_t>(condition)][static_cast<size_t>(found - features_.begin())]
+      .summary();
+}
+
 }  // namespace sightline

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "eval/records.h"
+#include "eval/study.h"
 
 namespace sightline {
 
@@ -73,6 +74,27 @@ class LocalisationStatistics {
   double side_u_ = 0, side_v_ = 0;
   std::vector<double> outlier_px_;  // of the first kMostKept
   static constexpr size_t kMostKept = 100'000;
+};
+
+/// What an image study says of the extraction of features: by cell, by feature over all cells, and
+/// by feature in each cell.
+class ExtractionStatistics {
+ public:
+  explicit ExtractionStatistics(const Study& study);
+
+  void add(const TrialRecord& trial);
+
+  Localisation of_cell(int condition) const;
+  Localisation of_feature(const std::string& feature) const;
+  Localisation of(int condition, const std::string& feature) const;
+  /// In the study's order.
+  const std::vector<std::string>& features() const { return features_; }
+
+ private:
+  std::vector<std::string> features_;
+  std::vector<LocalisationStatistics> cells_;
+  std::vector<LocalisationStatistics> of_features_;
+  std::vector<std::vector<LocalisationStatistics>> of_both_;  // by condition, then feature
 };
 
 }  // namespace sightline

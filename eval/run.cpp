@@ -18,7 +18,9 @@
 #include "eval/numeric_trial.h"
 #include "eval/orientation_trial.h"
 #include "eval/output_folder.h"
+#include "eval/progress.h"
 #include "eval/report/evidence.h"
+#include "eval/report/gnuplot.h"
 #include "eval/report/report.h"
 #include "eval/shares.h"
 #include "eval/store.h"
@@ -33,6 +35,10 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using Meta = std::map<std::string, std::string>;
 
+constexpr const char* kOutliersFile = "outliers.json";
+// The charts of single trials (cumulative curves, boxes, paired differences) and the frames are of
+// studies up to this size; a trial takes some kilobytes.
+constexpr int64_t kMostTrialsDrawn = 100'000;
 constexpr const char* kStoreFile = "results.sqlite";
 constexpr const char* kReportFile = "report.html";
 constexpr std::string_view kJobPrefix = "job-";
@@ -203,17 +209,19 @@ RunResult write_results(const Study& study, const Store& store, const Json& mani
     write_file(folder / "timings.csv",
                [&](std::ostream& out) { write_timings_csv(study, source, out); });
   }
-  // Only what is shown of images needs the trials themselves.
+  // What is shown of single trials needs them all at once.
   std::vector<TrialRecord> trials;
+  if (store.size() <= kMostTrialsDrawn) trials = store.trials();
   std::vector<FrameEvidence> frames;
   if (study.kind == StudyKind::kImages) {
-    trials = store.trials();
+    write_file(folder / kOutliersFile, to_json(outlier_model_of(trials), study.name));
     Renderer renderer;
     frames = gather_evidence(study, trials, renderer);
   }
   stop_if_interrupted();
-  write_file(folder / kReportFile,
-             render_report({study, result.summary, trials, frames, as_texts(manifest)}));
+  const ReportInput input{study, result.summary, trials, frames, as_texts(manifest)};
+  write_file(folder / kReportFile, render_report(input));
+  result.figures_note = write_figures(folder / "figures", report_charts(input));
   return result;
 }
 

@@ -28,14 +28,15 @@ struct RunResult {
   int64_t trials = 0;
   int64_t resumed_trials = 0;  ///< of them, what was there when this run began
   int64_t failed_trials = 0;   ///< that could not be imaged at all
+  std::string figures_note;    ///< one line where figures/ lacks its .svg; else empty
 };
 
 /// Runs a study and leaves its folder: study.toml, manifest.json, results.sqlite, results.csv,
-/// summary.json, report.html, and timings.csv where times are taken. With jobs > 1 that many
-/// processes do a share each. Everything is written beside `out` first and takes its name at the
-/// end. Trials are stored in batches of about a second. On failure the finished batches stay where
-/// there are any, for a run with `is_resumed` to continue, and nothing else; on an interrupt they
-/// stay only where this run has `is_resumed`. A run that continues another ends with the same
+/// summary.json, report.html, figures/, and timings.csv where times are taken. With jobs > 1 that
+/// many processes do a share each. Everything is written beside `out` first and takes its name at
+/// the end. Trials are stored in batches of about a second. On failure the finished batches stay
+/// where there are any, for a run with `is_resumed` to continue, and nothing else; on an interrupt
+/// they stay only where this run has `is_resumed`. A run that continues another ends with the same
 /// results, byte by byte, as one that was never ended, whatever the jobs of both; one that finds
 /// the work complete does nothing. Throws InputError when the folder cannot be written, holds a run
 /// of another study, seed, version or shard, or finished trials of a run that is not continued.

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "eval/extraction_tables.h"
 #include "pose/bounds.h"
 
 namespace sightline {
@@ -449,16 +450,22 @@ bool takes_times(const Study& study) {
 
 Summary summarise(const Study& study, const TrialSource& trials) {
   Summariser summariser(study);
-  if (study.kind == StudyKind::kImages) {
-    trials([&](const TrialRecord& trial) { summariser.observe(trial); });
-    trials([&](const TrialRecord& trial) { summariser.judge(trial); });
-  } else {
+  if (study.kind != StudyKind::kImages) {
     trials([&](const TrialRecord& trial) {
       summariser.observe(trial);
       summariser.judge(trial);
     });
+    return summariser.finish();
   }
-  return summariser.finish();
+  ExtractionStatistics extraction(study);
+  trials([&](const TrialRecord& trial) {
+    summariser.observe(trial);
+    extraction.add(trial);
+  });
+  trials([&](const TrialRecord& trial) { summariser.judge(trial); });
+  Summary summary = summariser.finish();
+  summary.extraction = std::move(extraction);
+  return summary;
 }
 
 Summary summarise(const Study& study, std::span<const TrialRecord> trials) {
@@ -487,6 +494,7 @@ std::string to_json(const Study& study, const Summary& summary) {
   for (const FeatureSummary& feature : summary.features) {
     json["features"].push_back(feature_json(study, feature));
   }
+  if (summary.extraction) json["extraction"] = Json::parse(to_json(study, *summary.extraction));
   return json.dump(2) + "\n";
 }
 

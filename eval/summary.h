@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/localisation.h"
 #include "eval/records.h"
 #include "eval/statistics.h"
 #include "eval/study.h"
@@ -95,8 +96,9 @@ struct FeatureSummary {
 
 struct Summary {
   std::vector<CellSummary> cells;  ///< by condition, then in the study's order of solvers
-  std::vector<CellObservations> observations;  ///< by condition
-  std::vector<FeatureSummary> features;        ///< by condition, then in the study's order
+  std::vector<CellObservations> observations;      ///< by condition
+  std::vector<FeatureSummary> features;            ///< by condition, then in the study's order
+  std::optional<ExtractionStatistics> extraction;  ///< of a study with images
 };
 
 /// Trials that are all in memory, in any order, as a source; they must outlive it.

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/extraction_tables.h"
 #include "eval/sweep.h"
 #include "eval/text_table.h"
 
@@ -248,6 +249,14 @@ std::string head(const Study& study, const Summary& summary) {
                                     all == 1 ? "" : "s", study.seed));
 }
 
+// What a study adds that varies nuisances or takes errors apart.
+std::string sweep_of_nuisances(const Study& study, const Summary& summary) {
+  const bool is_wanted = study.setups.size() > 1 || !study.inputs.empty();
+  if (!is_wanted || !summary.extraction) return "";
+  return localisation_block(study, *summary.extraction) + failure_block(*summary.extraction) +
+         impact_block(study, summary);
+}
+
 std::string failure_lines(const Study& study, const Summary& summary) {
   std::string lines;
   for (const std::string& solver : study.solver_names()) {
@@ -277,7 +286,8 @@ std::string to_table(const Study& study, const Summary& summary) {
                     &PaperFigure::t_error_percent, 1, &CellObservations::bound_t_percent};
   return head(study, summary) + pose_block(study) + error_block(study, summary, theta) +
          error_block(study, summary, t) + solver_block(study, summary) +
-         extraction_block(study, summary) + failure_lines(study, summary);
+         extraction_block(study, summary) + sweep_of_nuisances(study, summary) +
+         failure_lines(study, summary);
 }
 
 std::string plan_table(const Study& study, const Summary& summary, double target) {

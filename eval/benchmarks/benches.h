@@ -14,5 +14,7 @@ Comparison register_absolute_orientation();
 Comparison register_outlier();
 Comparison register_pnp();
 Comparison register_render();
+/// Compares with nothing.
+void register_pipeline();
 
 }  // namespace sightline

@@ -78,18 +78,6 @@ std::string read_text(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-// What the renderer may leave open: then every body is all there is, and none hides another.
-void complete(Frame& frame) {
-  if (frame.body_ids.empty()) frame.body_ids = (frame.part_ids != 0) / 255;
-  for (size_t i = 0; i < frame.truth.bodies.size(); ++i) {
-    BodyTruth& body = frame.truth.bodies[i];
-    if (!body.amodal_mask.empty()) continue;
-    body.amodal_mask = frame.body_ids == static_cast<int>(i) + 1;
-    body.amodal_box = body.visible_box;
-    body.amodal_pixels = body.visible_pixels;
-  }
-}
-
 }  // namespace
 
 std::string default_scene(const std::string& target) {
@@ -215,7 +203,6 @@ SetImage render_image(const SetPlan& plan, int64_t index, Renderer& renderer) {
   if (!image.drawn.is_imageable) return image;
   const auto draw = static_cast<uint64_t>(plan.study.draw_of(index));
   image.frame = renderer.render(image.drawn.scene, RandomStream(plan.study.seed, "sensor", draw));
-  complete(image.frame);
   return image;
 }
 

@@ -4,23 +4,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
-#include <string_view>
+#include <numeric>
+#include <set>
 
 #include <fmt/format.h>
 
+#include "eval/report/frame_svg.h"
 #include "eval/report/means.h"
 #include "eval/report/outline.h"
 #include "eval/report/text.h"
+#include "scenes/random.h"
 
 namespace sightline {
 namespace {
 
-constexpr size_t kMaxFrames = 8;
 constexpr size_t kMaxFirstDraws = 4;
-constexpr std::string_view kRanks[] = {"", "second ", "third "};
-constexpr size_t kWorstFrames = std::size(kRanks);
+constexpr size_t kWorstOfLead = 12;
+constexpr size_t kWorstOfOthers = 3;
+constexpr size_t kLeastFrames = 8;  // whatever their size
+constexpr double kManyPixels = 4e6;
+constexpr size_t kMostBytes = 13'000'000;  // leaves room for the rest of 15 MB
 
 double theta_error_deg(const TrialRecord& trial, const std::string& solver) {
   const EstimateRecord* estimate = find_estimate(trial, solver);
@@ -29,16 +33,23 @@ double theta_error_deg(const TrialRecord& trial, const std::string& solver) {
   return is_ok ? estimate->theta_error_deg : std::numeric_limits<double>::infinity();
 }
 
-// Adds a reason to a trial that is shown already.
-void choose(std::vector<FrameChoice>& choices, const TrialRecord& trial,
-            const std::string& reason) {
-  for (FrameChoice& choice : choices) {
-    if (choice.trial != trial.trial) continue;
-    choice.caption += "; " + reason;
-    return;
+// The trials that are chosen so far.
+struct Choices {
+  size_t limit = 0;
+  std::vector<FrameChoice> list = {};
+
+  bool is_full() const { return list.size() >= limit; }
+
+  // Adds a reason to a trial that is shown already.
+  void add(const TrialRecord& trial, const std::string& reason) {
+    for (FrameChoice& choice : list) {
+      if (choice.trial != trial.trial) continue;
+      choice.caption += "; " + reason;
+      return;
+    }
+    if (!is_full()) list.push_back({trial.trial, reason});
   }
-  if (choices.size() < kMaxFrames) choices.push_back({trial.trial, reason});
-}
+};
 
 std::string draw_name(const Study& study, const TrialRecord& trial) {
   const auto conditions = static_cast<int64_t>(study.conditions.size());
@@ -59,53 +70,78 @@ std::vector<const TrialRecord*> by_error(std::span<const TrialRecord> trials,
   return sorted;
 }
 
-void choose_worst(std::vector<FrameChoice>& choices, const std::vector<const TrialRecord*>& sorted,
-                  size_t count, const std::string& solver) {
-  const std::string label = solver_label(solver);
-  for (size_t k = 0; k < std::min(count, sorted.size()); ++k) {
-    choose(choices, *sorted[sorted.size() - 1 - k],
-           std::string(kRanks[k]) + "worst pose of " + label);
+std::string rank(size_t k) {
+  if (k == 0) return "worst pose";
+  const char* ending = k == 1 ? "nd" : k == 2 ? "rd" : "th";
+  return fmt::format("{}{} worst pose", k + 1, ending);
+}
+
+// The worst poses from rank `begin` on, 0 being the worst.
+void choose_worst(Choices& choices, const std::vector<const TrialRecord*>& sorted, size_t begin,
+                  size_t end, const std::string& solver) {
+  for (size_t k = begin; k < std::min(end, sorted.size()); ++k) {
+    choices.add(*sorted[sorted.size() - 1 - k], rank(k) + " of " + solver_label(solver));
   }
 }
 
-void choose_first_draws(std::vector<FrameChoice>& choices, const Study& study,
-                        std::span<const TrialRecord> trials) {
+void choose_first_draws(Choices& choices, const Study& study, std::span<const TrialRecord> trials) {
   const size_t limit = std::min(study.conditions.size(), kMaxFirstDraws);
   for (size_t condition = 0; condition < limit; ++condition) {
     const auto first = std::find_if(trials.begin(), trials.end(), [&](const TrialRecord& trial) {
       return trial.condition == static_cast<int>(condition);
     });
-    if (first != trials.end()) choose(choices, *first, draw_name(study, *first));
+    if (first == trials.end()) continue;
+    choices.add(*first, limit > 1 ? draw_name(study, *first) : "first draw");
   }
 }
 
-// The first trial in which a solver's estimate is of some kind.
-template <typename IsOfThatKind>
-void choose_first(std::vector<FrameChoice>& choices, std::span<const TrialRecord> trials,
-                  const std::string& solver, const IsOfThatKind& is_of_that_kind,
-                  const std::string& reason) {
+// What a solver made of a trial, by kind: rightly, wrongly and not at all.
+std::vector<std::string> kinds_of(const EstimateRecord& estimate) {
+  if (!estimate.is_ok()) return {"finds no pose: " + words(estimate.status)};
+  std::vector<std::string> kinds;
+  if (estimate.false_removals > 0) kinds.push_back("removes an inlier");
+  if (estimate.missed_outliers > 0) kinds.push_back("keeps an outlier");
+  if (!estimate.removed.empty() && kinds.empty()) kinds.push_back("removes an outlier");
+  return kinds;
+}
+
+// The first trial of each kind, of a solver.
+void choose_kinds(Choices& choices, std::span<const TrialRecord> trials,
+                  const std::string& solver) {
+  std::set<std::string> seen;
   for (const TrialRecord& trial : trials) {
     const EstimateRecord* estimate = find_estimate(trial, solver);
-    if (estimate == nullptr || !is_of_that_kind(*estimate)) continue;
-    choose(choices, trial, reason);
-    return;
+    if (estimate == nullptr) continue;
+    for (const std::string& kind : kinds_of(*estimate)) {
+      if (seen.insert(kind).second) choices.add(trial, solver_label(solver) + " " + kind);
+    }
   }
 }
 
-// What a solver does rightly, wrongly and not at all.
-void choose_kinds(std::vector<FrameChoice>& choices, std::span<const TrialRecord> trials,
-                  const std::string& solver) {
-  const std::string label = solver_label(solver);
-  const auto is_right = [](const EstimateRecord& estimate) {
-    return estimate.is_ok() && !estimate.removed.empty() && estimate.false_removals == 0;
-  };
-  const auto is_wrong = [](const EstimateRecord& estimate) {
-    return estimate.is_ok() && estimate.false_removals > 0;
-  };
-  const auto has_failed = [](const EstimateRecord& estimate) { return !estimate.is_ok(); };
-  choose_first(choices, trials, solver, is_right, label + " removes an outlier");
-  choose_first(choices, trials, solver, is_wrong, label + " removes an inlier");
-  choose_first(choices, trials, solver, has_failed, label + " finds no pose");
+// The first trial of each reason for which a feature is missing.
+void choose_missing(Choices& choices, std::span<const TrialRecord> trials) {
+  std::set<std::string> seen;
+  for (const TrialRecord& trial : trials) {
+    for (const ObservationRecord& observation : trial.observations) {
+      if (observation.is_found() || !seen.insert(observation.status).second) continue;
+      choices.add(trial, "a feature is missing: " + words(observation.status));
+    }
+  }
+}
+
+void fill_at_random(Choices& choices, const Study& study, std::span<const TrialRecord> trials) {
+  RandomStream stream(study.seed, "report/frames", 0);
+  std::vector<size_t> left(trials.size());
+  std::iota(left.begin(), left.end(), size_t{0});
+  std::set<int64_t> taken;
+  for (const FrameChoice& choice : choices.list) taken.insert(choice.trial);
+  std::erase_if(left, [&](size_t i) { return taken.contains(trials[i].trial); });
+  while (!choices.is_full() && !left.empty()) {
+    const auto at = static_cast<size_t>(stream.uniform() * static_cast<double>(left.size()));
+    std::swap(left[at], left.back());
+    choices.add(trials[left.back()], "chosen at random");
+    left.pop_back();
+  }
 }
 
 Outline traced(Renderer& renderer, const Scene& scene, const EstimateRecord& estimate) {
@@ -148,49 +184,101 @@ bool is_same(const TrialRecord& a, const TrialRecord& b) {
          is_same(a.observations, b.observations) && is_same(a.estimates, b.estimates);
 }
 
+// Where the target, the windows and the outlines are, of any solver.
+cv::Rect region_of_interest(const Trial& trial, const std::map<std::string, Outline>& outlines) {
+  if (trial.frame.image.empty()) return {};
+  cv::Rect region = trial.frame.truth.target().visible_box;
+  for (const Observation& observation : trial.observations) region |= observation.window;
+  for (const auto& [solver, outline] : outlines) {
+    for (const std::vector<Eigen::Vector2d>& polygon : outline) {
+      for (const Eigen::Vector2d& vertex : polygon) {
+        region |= cv::Rect(cv::Point(cvRound(vertex.x()), cvRound(vertex.y())), cv::Size(1, 1));
+      }
+    }
+  }
+  return region;
+}
+
 FrameEvidence evidence_of(const Study& study, const FrameChoice& choice, const TrialRecord& stored,
                           Renderer& renderer) {
-  FrameEvidence evidence{choice.caption, stored, run_trial(study, choice.trial, renderer), {}};
-  if (!is_same(stored, evidence.trial.record)) {
+  FrameEvidence evidence{choice.caption, stored, run_trial(study, choice.trial, renderer), {}, {}};
+  Trial& trial = evidence.trial;
+  if (!is_same(stored, trial.record)) {
     evidence.caption += "; this re-run differs from the stored trial";
   }
-  for (const EstimateRecord& estimate : evidence.trial.record.estimates) {
-    Outline outline = traced(renderer, evidence.trial.scene, estimate);
+  for (const EstimateRecord& estimate : trial.record.estimates) {
+    Outline outline = traced(renderer, trial.scene, estimate);
     if (!outline.empty()) evidence.outlines.emplace(estimate.solver, std::move(outline));
   }
+  evidence.picture = picture_of(trial.frame.image, trial.scene.sensor.bits,
+                                region_of_interest(trial, evidence.outlines));
+  trial.frame = {};  // sixty of them would fill the memory
   return evidence;
+}
+
+// About what a frame takes in the page: its picture, and its marks, there and in the close-ups.
+size_t bytes_of(const FrameEvidence& frame) {
+  constexpr size_t kBytesAFrame = 8000;
+  constexpr size_t kBytesAnEdgePixel = 2 * 17;
+  constexpr size_t kBytesAVertex = 14;
+  size_t bytes = frame.picture.png_url.size() + kBytesAFrame;
+  for (const Observation& observation : frame.trial.observations) {
+    for (const ImageLine& line : observation.lines) {
+      bytes += kBytesAnEdgePixel * line.edge_pixels.size();
+    }
+  }
+  for (const auto& [solver, outline] : frame.outlines) {
+    for (const auto& polygon : outline) bytes += kBytesAVertex * polygon.size();
+  }
+  return bytes;
+}
+
+size_t frames_for(const Study& study) {
+  double pixels = 0;
+  for (size_t i = 0; i < study.conditions.size(); ++i) {
+    const Camera& camera = study.camera_of(static_cast<int>(i));
+    pixels = std::max(pixels, static_cast<double>(camera.width_px) * camera.height_px);
+  }
+  const double many = static_cast<double>(kMostFrames) * std::min(1.0, kManyPixels / pixels);
+  return std::max(static_cast<size_t>(many), kLeastFrames);
 }
 
 }  // namespace
 
-std::vector<FrameChoice> choose_frames(const Study& study, std::span<const TrialRecord> trials) {
-  std::vector<FrameChoice> choices;
-  if (trials.empty()) return choices;
-  const std::string solver = lead_solver(study);
-  const auto sorted = by_error(trials, solver);
-  if (study.conditions.size() > 1) {
-    choose_first_draws(choices, study, trials);
-    choose_worst(choices, sorted, 1, solver);
-    choose_kinds(choices, trials, solver);
-    return choices;
+std::vector<FrameChoice> choose_frames(const Study& study, std::span<const TrialRecord> trials,
+                                       size_t limit) {
+  Choices choices{limit};
+  if (trials.empty()) return {};
+  const std::string lead = lead_solver(study);
+  const auto sorted = by_error(trials, lead);
+  choose_first_draws(choices, study, trials);
+  if (!sorted.empty()) choices.add(*sorted[sorted.size() / 2], "median of " + solver_label(lead));
+  choose_worst(choices, sorted, 0, 1, lead);
+  choose_kinds(choices, trials, lead);
+  choose_worst(choices, sorted, 1, kWorstOfLead, lead);
+  choose_missing(choices, trials);
+  for (const PoseSolver* solver : study.solvers) {
+    if (solver->evaluation_only || solver->name == lead) continue;
+    const std::string name(solver->name);
+    choose_kinds(choices, trials, name);
+    choose_worst(choices, by_error(trials, name), 0, kWorstOfOthers, name);
   }
-  choose(choices, trials.front(), "first draw");
-  if (!sorted.empty()) {
-    choose(choices, *sorted[sorted.size() / 2], "median of " + solver_label(solver));
-  }
-  choose_worst(choices, sorted, kWorstFrames, solver);
-  choose_kinds(choices, trials, solver);
-  return choices;
+  fill_at_random(choices, study, trials);
+  return choices.list;
 }
 
 std::vector<FrameEvidence> gather_evidence(const Study& study, std::span<const TrialRecord> trials,
                                            Renderer& renderer) {
   std::vector<FrameEvidence> frames;
-  for (const FrameChoice& choice : choose_frames(study, trials)) {
+  size_t bytes = 0;
+  for (const FrameChoice& choice : choose_frames(study, trials, frames_for(study))) {
     const auto stored = std::find_if(trials.begin(), trials.end(), [&](const TrialRecord& trial) {
       return trial.trial == choice.trial;
     });
-    frames.push_back(evidence_of(study, choice, *stored, renderer));
+    FrameEvidence frame = evidence_of(study, choice, *stored, renderer);
+    bytes += bytes_of(frame);
+    if (bytes > kMostBytes && !frames.empty()) break;
+    frames.push_back(std::move(frame));
   }
   return frames;
 }

@@ -20,15 +20,21 @@ struct FrameChoice {
   std::string caption;
 };
 
-/// At most eight trials, each once, with all its reasons. With several conditions: the first draw
-/// of each (of four at most) and the worst pose; with one: the first draw, the median and the three
-/// worst poses. Then the first in which an outlier was removed, an inlier was removed, and no pose
-/// was found. All by the solver that the report is about (lead_solver).
-std::vector<FrameChoice> choose_frames(const Study& study, std::span<const TrialRecord> trials);
+/// A report's pictures: this many, fewer of images above four megapixels, which take long to draw
+/// again.
+constexpr size_t kMostFrames = 60;
+
+/// Trials that show a study, each once, with all its reasons, what matters most first: the first
+/// draw of each condition (of four at most), the median and the worst poses, the first of each kind
+/// of success and failure, of every solver that needs no truth and of the features; and random
+/// ones, as far as there is room. At most `limit`.
+std::vector<FrameChoice> choose_frames(const Study& study, std::span<const TrialRecord> trials,
+                                       size_t limit = kMostFrames);
 
 /// Runs the chosen trials again (they depend on nothing but the study and their number) and traces
 /// the target's outline in the pose of each solver that found one. On another machine or with
 /// another version of the program the re-run may differ from the stored trial: the caption says so.
+/// Ends early when the pictures would make a page too large to open at once.
 std::vector<FrameEvidence> gather_evidence(const Study& study, std::span<const TrialRecord> trials,
                                            Renderer& renderer);
 

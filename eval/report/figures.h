@@ -3,7 +3,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "eval/report/chart.h"
 #include "eval/report/report.h"
 
 namespace sightline {
@@ -15,6 +17,12 @@ std::string table_figure(const ReportInput& input);
 std::string extraction_figure(const ReportInput& input);
 std::string frames_figure(const ReportInput& input);
 std::string provenance_figure(const ReportInput& input);
+
+std::vector<Chart> sweep_charts(const ReportInput& input);
+std::vector<Chart> cumulative_charts(const ReportInput& input);
+std::vector<Chart> boxes_charts(const ReportInput& input);
+std::vector<Chart> paired_charts(const ReportInput& input);
+std::vector<Chart> angles_charts(const ReportInput& input);
 
 /// The answer of a study without images, which the answer figure shows.
 std::string sweep_answer(const ReportInput& input);

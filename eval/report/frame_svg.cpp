@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "eval/report/text.h"
 
@@ -52,6 +53,35 @@ cv::Mat as_8_bit(const cv::Mat& image, int bits) {
   cv::Mat grey;
   image.convertTo(grey, CV_8U, 255.0 / ((1 << bits) - 1));
   return grey;
+}
+
+constexpr int kMaxWholeSidePx = 256;     // an image up to this size is shown whole
+constexpr int kMaxPictureSidePx = 1024;  // and a part up to this one as it is
+constexpr double kMargin = 0.1;          // about what is of interest, of its size
+
+cv::Rect part_to_show(const cv::Size& image, const cv::Rect& of_interest) {
+  const cv::Rect whole({0, 0}, image);
+  if (std::max(image.width, image.height) <= kMaxWholeSidePx || of_interest.empty()) return whole;
+  const int margin =
+      static_cast<int>(kMargin * std::max(of_interest.width, of_interest.height)) + 1;
+  const cv::Point corner(margin, margin);
+  return whole & cv::Rect(of_interest.tl() - corner, of_interest.br() + corner);
+}
+
+// A pixel is the mean of a block.
+cv::Mat reduced(const cv::Mat& image, int reduction) {
+  if (reduction == 1) return image;
+  cv::Mat small;
+  cv::resize(image, small, image.size() / reduction, 0, 0, cv::INTER_AREA);
+  return small;
+}
+
+std::string png_data_url(const cv::Mat& image) {
+  std::vector<uint8_t> png;
+  cv::imencode(
+      ".png", image, png,
+      {cv::IMWRITE_PNG_COMPRESSION, 9, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_DEFAULT});
+  return "data:image/png;base64," + base64(png);
 }
 
 // A mark on a dark line, to be seen on white paint and on the night sky.
@@ -156,10 +186,18 @@ std::string removed_mark(const ObservationRecord& record,
 
 }  // namespace
 
-std::string png_data_url(const cv::Mat& image, int bits) {
-  std::vector<uint8_t> png;
-  cv::imencode(".png", as_8_bit(image, bits), png);
-  return "data:image/png;base64," + base64(png);
+FramePicture picture_of(const cv::Mat& image, int bits, const cv::Rect& of_interest) {
+  FramePicture picture;
+  picture.image = image.size();
+  if (image.empty()) return picture;
+  picture.pixels = part_to_show(image.size(), of_interest);
+  const int side = std::max(picture.pixels.width, picture.pixels.height);
+  picture.reduction = (side + kMaxPictureSidePx - 1) / kMaxPictureSidePx;
+  // Whole blocks of pixels, so that coordinates stay exact.
+  picture.pixels.width -= picture.pixels.width % picture.reduction;
+  picture.pixels.height -= picture.pixels.height % picture.reduction;
+  picture.png_url = png_data_url(reduced(as_8_bit(image(picture.pixels), bits), picture.reduction));
+  return picture;
 }
 
 std::string feature_marks(const Observation& observation, const ObservationRecord& record,

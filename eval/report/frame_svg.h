@@ -16,8 +16,10 @@ namespace sightline {
 // Pieces of SVG in the pixel coordinates of an image: one unit a pixel, pixel centres at integers.
 // Every piece carries the class layer-<name> of its layer, by which the legend switches it off.
 
-/// An image as a PNG in a data: URL; one of more than 8 bits is brought to 8 by its `bits`.
-std::string png_data_url(const cv::Mat& image, int bits);
+/// The picture of an image: of one with more than 256 pixels a side the part `of_interest` with a
+/// margin; reduced by a whole number where that is still more than 1024; grey levels of more than 8
+/// bits are brought to 8 by `bits`.
+FramePicture picture_of(const cv::Mat& image, int bits, const cv::Rect& of_interest);
 
 /// All that is drawn for one feature: window, edge pixels, lines, corners, truth, what was found.
 /// `removers` names the solvers that judged it an outlier (their labels).

@@ -2,26 +2,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Frames with the evidence drawn over them, as in the ORPE paper's Fig. 4: the whole image, then a
-// close-up of every window.
+// close-up of every window. The page's script shows one at a time, which a reader picks from a list
+// of all trials; without it they stand one below the other.
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <vector>
 
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
+#include <nlohmann/json.hpp>
 
 #include "eval/report/figures.h"
 #include "eval/report/frame_svg.h"
+#include "eval/report/means.h"
+#include "eval/report/panels.h"
 #include "eval/report/text.h"
 
 namespace sightline {
 namespace {
 
 namespace mustache = kainjow::mustache;
+using nlohmann::ordered_json;
 
 // The legend's boxes need no script: a rule each hides a layer whose box is not ticked.
 constexpr const char* kTemplate = R"html(
-<p>A choice of trials, run again for their pictures: the image as the extractor saw it, what it
+<p>{{shown}} of {{trials}}, run again for their pictures: the image as the extractor saw it, what it
 found, and the target’s outline at each solver’s pose. The tables state the stored trials.</p>
+<div class="explorer" hidden></div>
 <style>
 {{#layers}}#frames:has(#show-{{name}}:not(:checked)) .layer-{{name}} { display: none; }
 {{/layers}}
@@ -36,14 +44,14 @@ found, and the target’s outline at each solver’s pose. The tables state the 
 {{#frames}}
 <article class="frame" id="{{id}}" aria-labelledby="{{id}}-title">
 <h3 id="{{id}}-title">{{caption}}</h3>
-<p class="given">True pose: <i>θ</i> = {{theta}}°, <i>T</i> = {{t}} m <span class="note">(trial
-{{trial}})</span></p>
+<p class="given">{{condition}}Trial {{trial}}. True pose: <i>θ</i> = {{theta}}°, <i>T</i> = {{t}} m.
+{{reduction}}</p>
 <div class="evidence">
 {{#has_image}}
 <div class="picture">
 <svg class="whole" viewBox="{{view}}" role="img" aria-labelledby="{{id}}-alt">
 <title id="{{id}}-alt">{{alt}}</title>
-<image class="pixels" id="{{id}}-image" x="-0.5" y="-0.5" width="{{width}}" height="{{height}}"
+<image class="pixels" id="{{id}}-image" x="{{x}}" y="{{y}}" width="{{width}}" height="{{height}}"
 href="{{{png}}}"/>
 {{#outlines}}<g class="layer-outline-{{index}} outline-{{style}}"><path class="outline"
 id="{{id}}-outline-{{index}}" d="{{path}}"/></g>
@@ -90,7 +98,10 @@ href="#{{id}}-outline-{{index}}"/>{{/outlines}}
 </ul>
 </article>
 {{/frames}}
+<script type="application/json" id="frame-data">{{{data}}}</script>
 )html";
+
+constexpr size_t kMostListed = 20'000;  // trials in the list: more would be no list
 
 struct Layer {
   std::string name;
@@ -221,7 +232,7 @@ int label_row(const cv::Rect& window, size_t index) {
   return index % 2 == 0 ? window.y - 4 : window.br().y + 11;
 }
 
-FeatureDrawings draw_features(const Trial& trial) {
+FeatureDrawings draw_features(const Trial& trial, bool has_picture) {
   FeatureDrawings drawings;
   const size_t count = std::min(trial.observations.size(), trial.record.observations.size());
   for (size_t i = 0; i < count; ++i) {
@@ -230,7 +241,7 @@ FeatureDrawings draw_features(const Trial& trial) {
     const auto removers = removers_of(trial.record, record.feature);
     const std::string marks = feature_marks(observation, record, removers);
     const std::string label = short_name(i);
-    const bool has_window = !observation.window.empty() && !trial.frame.image.empty();
+    const bool has_window = !observation.window.empty() && has_picture;
     drawings.marks += marks;
     drawings.closeups << mustache::object{
         {"window", has_window},
@@ -250,31 +261,114 @@ FeatureDrawings draw_features(const Trial& trial) {
   return drawings;
 }
 
-mustache::data frame_data(const Study& study, const FrameEvidence& frame, size_t number) {
+// What a picture leaves out of the image.
+std::string reduction_text(const FramePicture& picture) {
+  if (picture.png_url.empty()) return "It could not be imaged.";
+  std::string text;
+  if (picture.pixels.size() != picture.image) {
+    text = fmt::format("The picture is the part about the target of {} x {} pixels.",
+                       picture.image.width, picture.image.height);
+  }
+  if (picture.reduction > 1) {
+    text += fmt::format("{}Each of its pixels is the mean of {} x {}.", text.empty() ? "" : " ",
+                        picture.reduction, picture.reduction);
+  }
+  return text;
+}
+
+mustache::data frame_section(const Study& study, const FrameEvidence& frame, size_t number) {
   const TrialRecord& record = frame.stored;
-  const cv::Mat& image = frame.trial.frame.image;
+  const FramePicture& picture = frame.picture;
   const std::string id = fmt::format("frame-{}", number);
-  const FeatureDrawings drawings = draw_features(frame.trial);
+  const bool has_picture = !picture.png_url.empty();
+  const FeatureDrawings drawings = draw_features(frame.trial, has_picture);
+  const bool has_conditions = study.conditions.size() > 1;
   return mustache::object{
       {"id", id},
       {"caption", frame.caption},
       {"alt",
        fmt::format("{}: the rendered target with windows, features and outlines", frame.caption)},
+      {"condition", has_conditions ? study.conditions[record.condition].label + ". " : ""},
       {"trial", fmt::to_string(record.trial)},
       {"theta", triple(attitude_deg(record.true_cam_from_target.rotation), 1)},
       {"t", triple(record.true_cam_from_target.translation, 2)},
-      {"has_image", !image.empty()},
-      {"png", image.empty() ? "" : png_data_url(image, frame.trial.scene.sensor.bits)},
-      {"width", fmt::to_string(image.cols)},
-      {"height", fmt::to_string(image.rows)},
-      {"view", view_box({0, 0, image.cols, image.rows})},
+      {"reduction", reduction_text(picture)},
+      {"has_image", has_picture},
+      {"png", picture.png_url},
+      {"x", fmt::format("{}", picture.pixels.x - 0.5)},
+      {"y", fmt::format("{}", picture.pixels.y - 0.5)},
+      {"width", fmt::to_string(picture.pixels.width)},
+      {"height", fmt::to_string(picture.pixels.height)},
+      {"view", view_box(picture.pixels)},
       {"outlines", outlines_of(study, frame)},
       {"marks", drawings.marks},
       {"labels", drawings.labels},
-      {"size", fmt::format("{:.1f}", image.cols / kLabelsAcross)},
+      {"size", fmt::format("{:.1f}", picture.pixels.width / kLabelsAcross)},
       {"estimates", estimates_of(record)},
       {"closeups", drawings.closeups},
   };
+}
+
+// What a solver made of a trial, in words to choose by.
+std::string kind_of(const EstimateRecord& estimate) {
+  if (!estimate.is_ok()) return "no pose: " + words(estimate.status);
+  if (estimate.false_removals > 0 && estimate.missed_outliers > 0) {
+    return "removed an inlier, kept an outlier";
+  }
+  if (estimate.false_removals > 0) return "removed an inlier";
+  if (estimate.missed_outliers > 0) return "kept an outlier";
+  return estimate.removed.empty() ? "removed nothing, rightly" : "removed just the outliers";
+}
+
+// Adds each solver's error and kind; kinds are numbered as they come.
+void add_estimates(ordered_json& json, const TrialRecord& trial,
+                   const std::vector<TrialError>& errors,
+                   std::map<std::string, size_t>& number_of) {
+  for (size_t s = 0; s < trial.estimates.size(); ++s) {
+    const double error = errors.front().of(trial, s);
+    json["error"][s].push_back(std::isfinite(error) ? ordered_json(std::round(1e4 * error) / 1e4)
+                                                    : ordered_json(nullptr));
+    const size_t next = number_of.size();
+    const auto [kind, is_new] = number_of.emplace(kind_of(trial.estimates[s]), next);
+    if (is_new) json["kinds"].push_back(kind->first);
+    json["kind"][s].push_back(kind->second);
+  }
+}
+
+// All trials, column by column, for the list to pick from.
+std::string trial_list(const ReportInput& input) {
+  const Study& study = input.study;
+  ordered_json json = {{"solvers", ordered_json::array()},    {"lead", 0},
+                       {"conditions", ordered_json::array()}, {"kinds", ordered_json::array()},
+                       {"trial", ordered_json::array()},      {"condition", ordered_json::array()},
+                       {"frame", ordered_json::array()},      {"error", ordered_json::array()},
+                       {"kind", ordered_json::array()}};
+  const std::string lead = lead_solver(study);
+  for (const PoseSolver* solver : study.solvers) {
+    if (solver->name == lead) json["lead"] = json["solvers"].size();
+    json["solvers"].push_back(solver_label(solver->name));
+    json["error"].push_back(ordered_json::array());
+    json["kind"].push_back(ordered_json::array());
+  }
+  for (const Condition& condition : study.conditions) json["conditions"].push_back(condition.label);
+  json["shards"] = study.trial_count();
+  json["all"] = input.trials.size();
+  const std::vector<TrialError> errors = trial_errors(study);
+  std::map<std::string, size_t> number_of;
+  std::map<int64_t, size_t> frame_of;
+  for (size_t i = 0; i < input.frames.size(); ++i) frame_of[input.frames[i].stored.trial] = i + 1;
+  size_t listed = 0;
+  for (const TrialRecord& trial : input.trials) {
+    const auto frame = frame_of.find(trial.trial);
+    const bool is_framed = frame != frame_of.end();
+    if (trial.estimates.size() != study.solvers.size()) continue;
+    if (!is_framed && ++listed > kMostListed) continue;
+    json["trial"].push_back(trial.trial);
+    json["condition"].push_back(trial.condition);
+    json["frame"].push_back(is_framed ? frame->second : 0);
+    add_estimates(json, trial, errors, number_of);
+  }
+  return script_json(json.dump());
 }
 
 }  // namespace
@@ -283,10 +377,15 @@ std::string frames_figure(const ReportInput& input) {
   if (input.frames.empty()) return "";
   mustache::data frames(mustache::data::type::list);
   for (size_t i = 0; i < input.frames.size(); ++i) {
-    frames << frame_data(input.study, input.frames[i], i + 1);
+    frames << frame_section(input.study, input.frames[i], i + 1);
   }
-  return mustache::mustache(kTemplate).render(
-      mustache::object{{"layers", legend(input.study)}, {"frames", frames}});
+  return mustache::mustache(kTemplate).render(mustache::object{
+      {"shown", fmt::to_string(input.frames.size())},
+      {"trials", counted(static_cast<int64_t>(input.trials.size()), "trial")},
+      {"layers", legend(input.study)},
+      {"frames", frames},
+      {"data", trial_list(input)},
+  });
 }
 
 }  // namespace sightline

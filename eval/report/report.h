@@ -9,7 +9,10 @@
 #include <string_view>
 #include <vector>
 
+#include <opencv2/core/types.hpp>
+
 #include "eval/records.h"
+#include "eval/report/chart.h"
 #include "eval/study.h"
 #include "eval/summary.h"
 #include "eval/trial.h"
@@ -19,14 +22,24 @@ namespace sightline {
 /// The target's outline in a pose, closed polygons in pixels (eval/report/outline.h).
 using Outline = std::vector<std::vector<Eigen::Vector2d>>;
 
+/// The part of an image that a report shows, as a PNG in a data: URL. Empty where a trial could not
+/// be imaged.
+struct FramePicture {
+  std::string png_url;
+  cv::Rect pixels;    ///< of the image, that it shows
+  int reduction = 1;  ///< pixels of the image to one of the picture, each way
+  cv::Size image;
+};
+
 /// One frame as the report shows it: the run's record of a trial, whose numbers are stated, the
-/// same trial run again for its picture, and the target's outline as each solver's pose in that
-/// picture (by the solver's name; absent where it failed) would draw it. Chosen by gather_evidence
-/// (eval/report/evidence.h).
+/// same trial run again for its picture (its images are let go), and the target's outline as each
+/// solver's pose in that picture (by the solver's name; absent where it failed) would draw it.
+/// Chosen by gather_evidence (eval/report/evidence.h).
 struct FrameEvidence {
   std::string caption;  ///< "pose 1, draw 1" or "worst of ORPE"; says if the two records differ
   TrialRecord stored;
   Trial trial;
+  FramePicture picture;
   std::map<std::string, Outline> outlines;
 };
 
@@ -45,11 +58,17 @@ struct ReportInput {
 struct ReportFigure {
   std::string_view name;  ///< its anchor in the page
   std::string_view title;
-  /// The figure's HTML (may hold inline SVG); empty where it does not apply to the study.
+  /// The figure's HTML (may hold inline SVG), null where it has none; empty where it does not apply
+  /// to the study.
   std::string (*html)(const ReportInput& input);
+  /// What stands above it; null where it has none; empty where none applies.
+  std::vector<Chart> (*charts)(const ReportInput& input) = nullptr;
 };
 
 std::span<const ReportFigure> report_figures();
+
+/// The charts of all figures, in the order of the page.
+std::vector<Chart> report_charts(const ReportInput& input);
 
 /// The whole page: one self-contained HTML file that opens from disk without a network. Throws
 /// InputError when assets/report/ cannot be read.

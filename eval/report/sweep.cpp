@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// A study without images: every quantity against what is swept, a table each; and before them the
-// answer in short, each solver's worst condition.
+// Errors against what is swept, a chart a quantity; of a study without images a table of all
+// numbers too, and the answer in short: each solver's worst condition.
 #include "eval/sweep.h"
 
 #include <algorithm>
@@ -16,6 +16,7 @@
 
 #include "eval/report/figures.h"
 #include "eval/report/means.h"
+#include "eval/report/panels.h"
 #include "eval/report/text.h"
 
 namespace sightline {
@@ -23,32 +24,27 @@ namespace {
 
 namespace mustache = kainjow::mustache;
 
-constexpr const char* kTables = R"html(
-<div class="sweeps">
-{{#tables}}
-<div class="scroll" role="region" aria-label="{{heading}}, table" tabindex="0">
+// A row a condition and solver, so that any number of solvers is as wide as one.
+constexpr const char* kTable = R"html(
+<details>
+<summary>{{summary}}</summary>
+<div class="scroll" role="region" aria-label="{{summary}}, table" tabindex="0">
 <table class="sweep">
-<caption><span>{{heading}}{{#has_intervals}}, and its 95&nbsp;% interval{{/has_intervals}}.</span>
-</caption>
-<thead><tr><th scope="col">{{axis}}</th>{{#solvers}}<th scope="col">{{.}}</th>{{/solvers}}
-{{#has_bound}}<th scope="col" class="group">bound</th>{{/has_bound}}</tr></thead>
+<caption><span>By condition and {{what}}{{#has_intervals}}, means with their 95&nbsp;%
+intervals{{/has_intervals}}.</span></caption>
+<thead><tr><th scope="col">{{what}}</th>{{#headings}}<th
+scope="col">{{.}}</th>{{/headings}}</tr></thead>
+{{#conditions}}
 <tbody>
+<tr class="groupname"><th scope="rowgroup" colspan="{{columns}}">{{label}}</th></tr>
 {{#rows}}
 <tr><th scope="row">{{label}}</th>{{#cells}}<td>{{value}}{{#has_interval}} <span
-class="interval">{{interval}}</span>{{/has_interval}}</td>{{/cells}}
-{{#has_bound}}<td class="group">{{bound}}</td>{{/has_bound}}</tr>
+class="interval">{{interval}}</span>{{/has_interval}}</td>{{/cells}}</tr>
 {{/rows}}
 </tbody>
+{{/conditions}}
 </table>
 </div>
-{{/tables}}
-</div>
-)html";
-
-constexpr const char* kDetails = R"html(
-<details>
-<summary>More of the same conditions</summary>
-{{{tables}}}
 </details>
 )html";
 
@@ -90,53 +86,86 @@ bool is_timed(const Study& study) {
   return study.pairs.timed_repeats > 0;
 }
 
-// Spellings are those of the pose solvers; methods of absolute orientation go by their names. As
-// words, so that the heads of columns can break.
-std::string label_of(const Study& study, const std::string& solver) {
-  return words(is_orientation(study) ? solver : solver_label(solver));
+using Quantities = std::vector<SweepQuantity>;
+
+Quantities quantities_of(const ReportInput& input, bool are_details) {
+  Quantities some = sweep_quantities(input.study, input.summary);
+  std::erase_if(some, [&](const SweepQuantity& q) { return q.is_detail != are_details; });
+  return some;
 }
 
-mustache::data labels_of_solvers(const Study& study) {
-  mustache::data list(mustache::data::type::list);
-  for (const std::string& solver : study.solver_names()) list << label_of(study, solver);
-  return list;
+// A heading of the terminal's tables, for readers: "theta_error" is the θ error.
+std::string spelt(const std::string& heading) {
+  constexpr std::string_view kTheta = "theta_error";
+  if (heading.starts_with(kTheta)) return "θ error" + heading.substr(kTheta.size());
+  constexpr std::string_view kT = "T_error";
+  if (heading.starts_with(kT)) return "T error" + heading.substr(kT.size());
+  return heading;
 }
 
-mustache::data row(const ReportInput& input, const SweepQuantity& quantity, int condition) {
-  const int decimals = sweep_decimals(input.summary, quantity);
+bool has_bound(const SweepQuantity& quantity) {
+  return quantity.bound != nullptr;
+}
+
+mustache::data solver_row(const ReportInput& input, const Quantities& quantities, int condition,
+                          const std::string& solver) {
   mustache::data cells(mustache::data::type::list);
-  for (const std::string& solver : input.study.solver_names()) {
-    const CellSummary cell = sweep_cell(input.summary, condition, solver);
+  const CellSummary cell = sweep_cell(input.summary, condition, solver);
+  for (const SweepQuantity& quantity : quantities) {
+    const int decimals = sweep_decimals(input.summary, quantity);
     const bool has_interval = quantity.interval != nullptr;
     cells << mustache::object{
         {"value", fixed(quantity.value(cell), decimals)},
         {"has_interval", has_interval},
         {"interval", has_interval ? interval(quantity.interval(cell), decimals) : ""}};
   }
+  return mustache::object{{"label", label_in(input.study, solver)}, {"cells", cells}};
+}
+
+mustache::data bound_row(const ReportInput& input, const Quantities& quantities, int condition) {
   const CellObservations* found = find_observations(input.summary, condition);
-  const bool has_bound = quantity.bound != nullptr && found != nullptr;
-  return mustache::object{{"label", input.study.conditions[condition].label},
-                          {"cells", cells},
-                          {"bound", has_bound ? fixed(found->*quantity.bound, decimals) : ""}};
-}
-
-mustache::object table(const ReportInput& input, const SweepQuantity& quantity) {
-  mustache::data rows(mustache::data::type::list);
-  for (int c = 0; c < condition_count(input.study); ++c) rows << row(input, quantity, c);
-  return {{"heading", quantity.heading},
-          {"axis", "Condition"},
-          {"solvers", labels_of_solvers(input.study)},
-          {"has_intervals", quantity.interval != nullptr},
-          {"has_bound", quantity.bound != nullptr},
-          {"rows", rows}};
-}
-
-std::string tables(const ReportInput& input, bool are_details) {
-  mustache::data list(mustache::data::type::list);
-  for (const SweepQuantity& quantity : sweep_quantities(input.study, input.summary)) {
-    if (quantity.is_detail == are_details) list << mustache::data(table(input, quantity));
+  mustache::data cells(mustache::data::type::list);
+  for (const SweepQuantity& quantity : quantities) {
+    const bool is_there = has_bound(quantity) && found != nullptr;
+    const int decimals = sweep_decimals(input.summary, quantity);
+    cells << mustache::object{{"value", is_there ? fixed(found->*quantity.bound, decimals) : ""},
+                              {"has_interval", false}};
   }
-  return mustache::mustache(kTables).render(mustache::object{{"tables", list}});
+  return mustache::object{{"label", "bound"}, {"cells", cells}};
+}
+
+mustache::data condition_group(const ReportInput& input, const Quantities& quantities,
+                               int condition) {
+  mustache::data rows(mustache::data::type::list);
+  for (const std::string& solver : input.study.solver_names()) {
+    rows << solver_row(input, quantities, condition, solver);
+  }
+  if (std::any_of(quantities.begin(), quantities.end(), has_bound)) {
+    rows << bound_row(input, quantities, condition);
+  }
+  return mustache::object{{"label", input.study.conditions[condition].label}, {"rows", rows}};
+}
+
+std::string table(const ReportInput& input, bool are_details, const std::string& summary) {
+  const Quantities quantities = quantities_of(input, are_details);
+  if (quantities.empty()) return "";
+  mustache::data headings(mustache::data::type::list);
+  for (const SweepQuantity& quantity : quantities) headings << spelt(quantity.heading);
+  mustache::data conditions(mustache::data::type::list);
+  for (int c = 0; c < condition_count(input.study); ++c) {
+    conditions << condition_group(input, quantities, c);
+  }
+  const bool has_intervals =
+      std::any_of(quantities.begin(), quantities.end(),
+                  [](const SweepQuantity& q) { return q.interval != nullptr; });
+  return mustache::mustache(kTable).render(mustache::object{
+      {"summary", summary},
+      {"what", is_orientation(input.study) ? "method" : "solver"},
+      {"has_intervals", has_intervals},
+      {"headings", headings},
+      {"columns", fmt::to_string(quantities.size() + 1)},
+      {"conditions", conditions},
+  });
 }
 
 mustache::data worst(const ReportInput& input, const SweepQuantity& quantity,
@@ -184,7 +213,7 @@ mustache::object answer_row(const ReportInput& input, const std::string& solver)
   }
   const PoseSolver* const pose_solver = find_pose_solver(solver);
   mustache::object row = {
-      {"solver", label_of(input.study, solver)},
+      {"solver", label_in(input.study, solver)},
       {"cells", cells},
       {"evaluation_only",
        !is_orientation(input.study) && pose_solver != nullptr && pose_solver->evaluation_only}};
@@ -195,13 +224,114 @@ mustache::object answer_row(const ReportInput& input, const std::string& solver)
   return row;
 }
 
+// Of an image study, whose table has two errors side by side, these two.
+Quantities chart_quantities(const ReportInput& input) {
+  if (input.study.kind != StudyKind::kImages) return quantities_of(input, false);
+  using Cell = CellSummary;
+  return {{.heading = "θ error / °, mean of the trials",
+           .value = [](const Cell& cell) { return cell.theta_error_deg.mean; },
+           .interval = [](const Cell& cell) -> const std::array<double, 2>& {
+             return cell.theta_error_deg.mean_ci95;
+           },
+           .bound = &CellObservations::bound_theta_deg},
+          {.heading = "T error / % of the distance, mean of the trials",
+           .value = [](const Cell& cell) { return cell.t_error_percent.mean; },
+           .interval = [](const Cell& cell) -> const std::array<double, 2>& {
+             return cell.t_error_percent.mean_ci95;
+           },
+           .bound = &CellObservations::bound_t_percent}};
+}
+
+// "Time / ns, mean of the draws" without what comes after the unit, if that is short.
+std::string axis_title(const std::string& heading) {
+  constexpr size_t kLongest = 40;
+  const std::string title = heading.substr(0, heading.find(','));
+  return title.size() > kLongest ? "" : title;
+}
+
+// Adds a point where there is a number.
+void add_point(ChartSeries& series, double x, double y) {
+  if (std::isnan(y)) return;
+  series.x.push_back(x);
+  series.y.push_back(y);
+}
+
+ChartSeries solver_series(const ReportInput& input, const SweepQuantity& quantity,
+                          const SweepPanel& panel, size_t solver) {
+  const std::vector<std::string> solvers = input.study.solver_names();
+  ChartSeries series{.label = label_in(input.study, solvers[solver]),
+                     .style = static_cast<int>(solver)};
+  for (size_t i = 0; i < panel.conditions.size(); ++i) {
+    const CellSummary cell = sweep_cell(input.summary, panel.conditions[i], solvers[solver]);
+    const double y = quantity.value(cell);
+    if (std::isnan(y)) continue;
+    const bool is_of_words = !panel.axis.names.empty();
+    add_point(series, is_of_words ? beside(panel.x[i], solver, solvers.size()) : panel.x[i], y);
+    if (quantity.interval == nullptr) continue;
+    series.low.push_back(quantity.interval(cell)[0]);
+    series.high.push_back(quantity.interval(cell)[1]);
+  }
+  return series;
+}
+
+ChartSeries bound_series(const ReportInput& input, const SweepQuantity& quantity,
+                         const SweepPanel& panel) {
+  ChartSeries series{.label = "bound"};
+  for (size_t i = 0; i < panel.conditions.size(); ++i) {
+    const CellObservations* found = find_observations(input.summary, panel.conditions[i]);
+    if (found != nullptr) add_point(series, panel.x[i], found->*quantity.bound);
+  }
+  return series;
+}
+
+// What the paper prints for a solver, in the place of ours.
+ChartSeries paper_series(const ReportInput& input, const SweepQuantity& quantity,
+                         const SweepPanel& panel, size_t solver) {
+  const std::vector<std::string> solvers = input.study.solver_names();
+  ChartSeries series{.label = label_in(input.study, solvers[solver]) + " in the paper",
+                     .style = static_cast<int>(solver),
+                     .is_from_paper = true};
+  const bool is_theta = quantity.bound == &CellObservations::bound_theta_deg;
+  for (size_t i = 0; i < panel.conditions.size(); ++i) {
+    const Condition& condition = input.study.conditions[panel.conditions[i]];
+    const PaperFigure* figure = paper_figure(condition, solvers[solver]);
+    if (figure == nullptr) continue;
+    add_point(series, beside(panel.x[i], solver, solvers.size()),
+              is_theta ? figure->theta_error_deg : figure->t_error_percent);
+  }
+  return series;
+}
+
+Chart chart_of(const ReportInput& input, const SweepQuantity& quantity, const SweepPanel& panel) {
+  Chart chart;
+  chart.kind = panel.axis.names.empty() ? ChartKind::kLines : ChartKind::kPoints;
+  chart.title = spelt(quantity.heading);
+  chart.option = panel.option;
+  chart.x = panel.axis;
+  chart.y.label = axis_title(chart.title);
+  if (quantity.interval != nullptr) chart.note = "95 % intervals of the mean.";
+  std::vector<ChartSeries> series;
+  for (size_t s = 0; s < input.study.solver_names().size(); ++s) {
+    series.push_back(solver_series(input, quantity, panel, s));
+    if (has_paper_figures(input.study)) {
+      series.push_back(paper_series(input, quantity, panel, s));
+    }
+  }
+  if (has_bound(quantity)) series.push_back(bound_series(input, quantity, panel));
+  for (ChartSeries& part : series) {
+    if (!part.x.empty()) chart.series.push_back(std::move(part));
+  }
+  choose_y_scale(chart);
+  return chart;
+}
+
 }  // namespace
 
 std::string sweep_answer(const ReportInput& input) {
   const Study& study = input.study;
   mustache::data headings(mustache::data::type::list);
   for (const SweepQuantity& quantity : sweep_quantities(study, input.summary)) {
-    if (!quantity.is_detail) headings << quantity.heading;
+    if (!quantity.is_detail) headings << spelt(quantity.heading);
   }
   const std::vector<std::string> solvers = study.solver_names();
   const std::vector<std::string> verdicts = claim_verdicts(study, input.summary);
@@ -219,7 +349,7 @@ std::string sweep_answer(const ReportInput& input) {
       {"what", is_orientation(study) ? "Method" : "Solver"},
       {"headings", headings},
       {"has_peer", is_orientation(study) && solvers.size() > 1},
-      {"peer", solvers.empty() ? "" : label_of(study, solvers.front())},
+      {"peer", solvers.empty() ? "" : label_in(study, solvers.front())},
       {"is_timed", is_timed(study)},
       {"rows", rows},
       {"angle_cap", fmt::to_string(kAngleCapDeg)},
@@ -228,9 +358,23 @@ std::string sweep_answer(const ReportInput& input) {
 }
 
 std::string sweep_figure(const ReportInput& input) {
-  if (input.study.kind == StudyKind::kImages) return "";
-  return tables(input, false) +
-         mustache::mustache(kDetails).render(mustache::object{{"tables", tables(input, true)}});
+  if (input.study.kind == StudyKind::kImages) return "";  // its table has the numbers
+  return table(input, false, "All numbers") + table(input, true, "More of the same conditions");
+}
+
+std::vector<Chart> sweep_charts(const ReportInput& input) {
+  std::vector<Chart> charts;
+  size_t number = 0;
+  for (const SweepQuantity& quantity : chart_quantities(input)) {
+    const std::string group = fmt::format("sweep-{}", ++number);
+    size_t panel_number = 0;
+    for (const SweepPanel& panel : sweep_panels(input.study)) {
+      Chart& chart = charts.emplace_back(chart_of(input, quantity, panel));
+      chart.group = group;
+      chart.id = chart_id(group, panel_number++);
+    }
+  }
+  return charts;
 }
 
 }  // namespace sightline

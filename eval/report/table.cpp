@@ -1,11 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The pose errors in the shape of the ORPE paper's Table 1: a row a condition, our means with their
+// The pose errors of the ORPE paper's Table 1: by condition and solver our means with their
 // intervals, and beside them what the paper prints, or our medians where it prints nothing.
 #include <algorithm>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <kainjow/mustache.hpp>
 
 #include "eval/report/figures.h"
@@ -17,52 +19,45 @@ namespace {
 
 namespace mustache = kainjow::mustache;
 
+// A row a condition and solver, so that any number of solvers is as wide as one.
 constexpr const char* kTemplate = R"html(
 <div class="scroll" role="region" aria-label="Pose errors, table" tabindex="0">
 <table class="poses">
 <caption><span>{{caption}}</span></caption>
-<thead>
-<tr>
-{{#given_poses}}<th scope="colgroup" colspan="2">True pose</th>{{/given_poses}}
-{{^given_poses}}<th scope="col" rowspan="2">Condition</th>{{/given_poses}}
-{{#solvers}}<th scope="colgroup" colspan="{{columns}}" class="group">{{label}}</th>{{/solvers}}
-<th scope="colgroup" colspan="2" class="group">Bound</th>
-<th scope="colgroup" colspan="2" class="group">Features</th>
-</tr>
-<tr>
-{{#given_poses}}<th scope="col"><span class="hidden">Name</span></th>
-<th scope="col" class="text"><i>θ</i>, °<br><i>T</i>, m</th>{{/given_poses}}
-{{#solvers}}
-<th scope="col" class="group"><i>θ</i> error, °</th>{{#beside}}<th scope="col"
-class="beside">{{beside_label}}</th>{{/beside}}
+<thead><tr><th scope="col">Solver</th><th scope="col"><i>θ</i> error, °</th>{{#beside}}<th
+scope="col" class="beside">{{beside}}</th>{{/beside}}
 <th scope="col"><i>T</i> error, %</th>{{#beside}}<th scope="col"
-class="beside">{{beside_label}}</th>{{/beside}}
-{{/solvers}}
-<th scope="col" class="group"><i>θ</i>, °</th><th scope="col"><i>T</i>, %</th>
-<th scope="col" class="group">inlier RMS, px</th><th scope="col">outliers a trial</th>
-</tr>
-</thead>
-<tbody>
+class="beside">{{beside}}</th>{{/beside}}<th scope="col">failed</th></tr></thead>
+{{#groups}}
+<tbody{{#is_mean}} class="mean"{{/is_mean}}>
+<tr class="groupname"><th scope="rowgroup" colspan="6">{{label}}{{#has_pose}} <span
+class="given">θ = {{theta}}°, T = {{t}} m</span>{{/has_pose}}<span class="observed">inlier RMS
+{{inlier_rms}} px, {{outliers}} outliers a trial</span></th></tr>
 {{#rows}}
-<tr{{#is_mean}} class="mean"{{/is_mean}}>
-<th scope="row">{{label}}</th>
-{{#given_poses}}<td class="pose">{{theta}}<br>{{t}}</td>{{/given_poses}}
-{{#cells}}
-<td class="group"><b>{{theta_mean}}</b> <span
-class="interval">{{theta_interval}}</span>{{#has_failures}}<span
-class="failed">{{failures}} failed</span>{{/has_failures}}</td>
+<tr><th scope="row">{{solver}}</th>
+<td><b>{{theta_mean}}</b> <span class="interval">{{theta_interval}}</span></td>
 {{#beside}}<td class="beside">{{theta_beside}}</td>{{/beside}}
 <td><b>{{t_mean}}</b> <span class="interval">{{t_interval}}</span></td>
 {{#beside}}<td class="beside">{{t_beside}}</td>{{/beside}}
-{{/cells}}
-<td class="group">{{bound_theta}}</td><td>{{bound_t}}</td>
-<td class="group">{{inlier_rms}}</td><td>{{outliers}}</td>
-</tr>
+<td>{{#has_failures}}<span class="failed">{{failures}} failed</span>{{/has_failures}}{{^has_failures}}0{{/has_failures}}</td></tr>
 {{/rows}}
+<tr class="bound"><th scope="row">bound</th><td>{{bound_theta}}</td>{{#beside}}<td></td>{{/beside}}
+<td>{{bound_t}}</td>{{#beside}}<td></td>{{/beside}}<td></td></tr>
 </tbody>
+{{/groups}}
 </table>
 </div>
 <p class="note">{{note}}</p>
+{{#has_lost}}
+<details>
+<summary>Trials that could not be imaged: {{lost_count}}</summary>
+<p>They are in every denominator as failures of every solver. Their numbers, by condition:</p>
+<ul>
+{{#lost}}<li>{{condition}}: {{trials}}</li>
+{{/lost}}
+</ul>
+</details>
+{{/has_lost}}
 <details>
 <summary>Failures and removed features: {{failures}}</summary>
 <div class="scroll" role="region" aria-label="Failures and removed features, table" tabindex="0">
@@ -70,40 +65,33 @@ class="failed">{{failures}} failed</span>{{/has_failures}}</td>
 <caption><span>What failed and what was removed, by condition and solver. A failed trial counts as
 the cap in
 every mean and as infinite in every median.</span></caption>
-<thead><tr><th scope="col">Condition</th><th scope="col">Solver</th><th scope="col">trials</th>
+<thead><tr><th scope="col">Solver</th><th scope="col">trials</th>
 <th scope="col">failed</th><th scope="col">at the cap</th><th scope="col">inliers removed a
 trial</th>
 <th scope="col">outliers kept a trial</th><th scope="col">exactly right set, %</th>
 <th scope="col">median <i>θ</i> error, °</th><th scope="col">median <i>T</i> error, %</th>
 <th scope="col">RMS over oracle’s</th><th scope="col">RMS over bound</th></tr></thead>
+{{#detail_groups}}
 <tbody>
+<tr class="groupname"><th scope="rowgroup" colspan="11">{{condition}}</th></tr>
 {{#details}}
-<tr><th scope="row">{{condition}}</th><td
-class="text">{{solver}}</td><td>{{trials}}</td><td>{{failed}}</td>
+<tr><th scope="row">{{solver}}</th><td>{{trials}}</td><td>{{failed}}</td>
 <td>{{capped}}</td><td>{{false_removals}}</td><td>{{missed}}</td><td>{{exact}}</td>
 <td>{{theta_median}}</td>
 <td>{{t_median}}</td><td>{{oracle_ratio}}</td><td>{{bound_ratio}}</td></tr>
 {{/details}}
 </tbody>
+{{/detail_groups}}
 </table>
 </div>
 <p class="note">The two ratios compare RMS geodesic errors (capped), over the same trials.</p>
 </details>
 )html";
 
-// What stands beside a solver's mean.
-enum class Beside { kNothing, kPaper, kMedian };
+constexpr size_t kMostLostNamed = 20;  // of a condition
 
 bool has_given_poses(const Study& study) {
   return !study.poses.theta_deg.empty();
-}
-
-Beside beside(const Study& study, std::string_view solver) {
-  if (!has_paper_figures(study)) return Beside::kMedian;
-  for (const Condition& condition : study.conditions) {
-    if (paper_figure(condition, solver) != nullptr) return Beside::kPaper;
-  }
-  return Beside::kNothing;
 }
 
 std::string caption(const Study& study) {
@@ -146,60 +134,63 @@ void set_paper(mustache::object& cell, const PaperFigure* figure) {
   cell["t_beside"] = figure == nullptr ? "–" : fixed(figure->t_error_percent, 1);
 }
 
-mustache::object condition_cell(const ReportInput& input, int condition, std::string_view solver) {
+mustache::object condition_row(const ReportInput& input, int condition, std::string_view solver) {
   const CellSummary* found = find_cell(input.summary, condition, solver);
   const CellSummary summary = found == nullptr ? CellSummary{} : *found;
   const ErrorSummary& theta = summary.theta_error_deg;
   const ErrorSummary& t = summary.t_error_percent;
-  mustache::object object = cell(theta.mean, theta.mean_ci95, t.mean, t.mean_ci95);
-  set_failures(object, summary.failures);
-  const Beside kind = beside(input.study, solver);
-  object["beside"] = kind != Beside::kNothing;
-  if (kind == Beside::kMedian) {
-    object["theta_beside"] = measure(theta.median);
-    object["t_beside"] = measure(t.median);
+  mustache::object row = cell(theta.mean, theta.mean_ci95, t.mean, t.mean_ci95);
+  set_failures(row, summary.failures);
+  if (has_paper_figures(input.study)) {
+    set_paper(row, paper_figure(input.study.conditions[condition], solver));
   } else {
-    set_paper(object, paper_figure(input.study.conditions[condition], solver));
+    row["theta_beside"] = measure(theta.median);
+    row["t_beside"] = measure(t.median);
   }
-  return object;
+  return row;
 }
 
-mustache::object mean_cell(const ReportInput& input, std::string_view solver) {
+mustache::object mean_row(const ReportInput& input, std::string_view solver) {
   const SolverMeans means = means_over_conditions(input.study, input.summary, solver);
-  mustache::object object = cell(means.theta_error_deg.mean, means.theta_error_deg.ci95,
-                                 means.t_error_percent.mean, means.t_error_percent.ci95);
-  set_failures(object, means.failures);
-  object["beside"] = beside(input.study, solver) != Beside::kNothing;
-  set_paper(object, means.paper ? &*means.paper : nullptr);
-  return object;
+  mustache::object row = cell(means.theta_error_deg.mean, means.theta_error_deg.ci95,
+                              means.t_error_percent.mean, means.t_error_percent.ci95);
+  set_failures(row, means.failures);
+  set_paper(row, means.paper ? &*means.paper : nullptr);
+  return row;
 }
 
-template <typename CellOf>
-mustache::data cells(const Study& study, const CellOf& cell_of) {
+template <typename RowOf>
+mustache::data rows(const Study& study, const RowOf& row_of) {
   mustache::data list(mustache::data::type::list);
-  for (const PoseSolver* solver : study.solvers) list << cell_of(solver->name);
+  for (const PoseSolver* solver : study.solvers) {
+    mustache::object row = row_of(solver->name);
+    row["solver"] = solver_label(solver->name);
+    list << mustache::data(row);
+  }
   return list;
 }
 
-void set_observations(mustache::object& row, const CellObservations& observations) {
-  row["bound_theta"] = measure(observations.bound_theta_deg);
-  row["bound_t"] = measure(observations.bound_t_percent);
-  row["inlier_rms"] = measure(observations.inlier_rms_px);
-  row["outliers"] = measure(observations.outliers);
+void set_observations(mustache::object& group, const CellObservations& observations) {
+  group["bound_theta"] = measure(observations.bound_theta_deg);
+  group["bound_t"] = measure(observations.bound_t_percent);
+  group["inlier_rms"] = measure(observations.inlier_rms_px);
+  group["outliers"] = measure(observations.outliers);
 }
 
-mustache::data condition_row(const ReportInput& input, int condition) {
+mustache::data condition_group(const ReportInput& input, int condition) {
   const Study& study = input.study;
-  mustache::object row = {{"label", study.conditions[condition].label}, {"is_mean", false}};
+  const Condition& cell = study.conditions[condition];
+  mustache::object group = {
+      {"label", cell.label}, {"is_mean", false}, {"has_pose", has_given_poses(study)}};
   if (has_given_poses(study)) {
-    row["theta"] = triple(study.poses.theta_deg[study.conditions[condition].pose], 0);
-    row["t"] = triple(study.poses.t_m[study.conditions[condition].pose], 0);
+    group["theta"] = triple(study.poses.theta_deg[cell.pose], 0);
+    group["t"] = triple(study.poses.t_m[cell.pose], 0);
   }
-  row["cells"] = cells(
-      study, [&](std::string_view solver) { return condition_cell(input, condition, solver); });
+  group["rows"] =
+      rows(study, [&](std::string_view solver) { return condition_row(input, condition, solver); });
   const CellObservations* found = find_observations(input.summary, condition);
-  set_observations(row, found == nullptr ? CellObservations{} : *found);
-  return row;
+  set_observations(group, found == nullptr ? CellObservations{} : *found);
+  return group;
 }
 
 CellObservations mean_observations(const Summary& summary) {
@@ -212,41 +203,28 @@ CellObservations mean_observations(const Summary& summary) {
   return mean;
 }
 
-mustache::data mean_row(const ReportInput& input) {
-  mustache::object row = {{"label", "mean"}, {"is_mean", true}, {"theta", ""}, {"t", ""}};
-  row["cells"] =
-      cells(input.study, [&](std::string_view solver) { return mean_cell(input, solver); });
-  set_observations(row, mean_observations(input.summary));
-  return row;
+mustache::data mean_group(const ReportInput& input) {
+  mustache::object group = {{"label", "mean"}, {"is_mean", true}, {"has_pose", false}};
+  group["rows"] =
+      rows(input.study, [&](std::string_view solver) { return mean_row(input, solver); });
+  set_observations(group, mean_observations(input.summary));
+  return group;
 }
 
-mustache::data rows(const ReportInput& input) {
+mustache::data groups(const ReportInput& input) {
   mustache::data list(mustache::data::type::list);
   const int conditions = static_cast<int>(input.study.conditions.size());
   for (int condition = 0; condition < conditions; ++condition) {
-    list << condition_row(input, condition);
+    list << condition_group(input, condition);
   }
   // A mean over other conditions than poses (noise, say) would say nothing.
-  if (conditions > 1 && has_given_poses(input.study)) list << mean_row(input);
+  if (conditions > 1 && has_given_poses(input.study)) list << mean_group(input);
   return list;
 }
 
-mustache::data solver_heads(const Study& study) {
-  mustache::data list(mustache::data::type::list);
-  for (const PoseSolver* solver : study.solvers) {
-    const Beside kind = beside(study, solver->name);
-    list << mustache::object{{"label", solver_label(solver->name)},
-                             {"columns", kind == Beside::kNothing ? "2" : "4"},
-                             {"beside", kind != Beside::kNothing},
-                             {"beside_label", kind == Beside::kPaper ? "paper" : "median"}};
-  }
-  return list;
-}
-
-mustache::data detail(const Study& study, const CellSummary& cell) {
+mustache::data detail(const CellSummary& cell) {
   const int capped = std::max(cell.theta_error_deg.capped, cell.t_error_percent.capped);
   return mustache::object{
-      {"condition", study.conditions[cell.condition].label},
       {"solver", solver_label(cell.solver)},
       {"trials", fmt::to_string(cell.trials)},
       {"failed", fmt::to_string(cell.failures)},
@@ -261,9 +239,36 @@ mustache::data detail(const Study& study, const CellSummary& cell) {
   };
 }
 
-mustache::data details(const ReportInput& input) {
+mustache::data detail_groups(const ReportInput& input) {
   mustache::data list(mustache::data::type::list);
-  for (const CellSummary& cell : input.summary.cells) list << detail(input.study, cell);
+  for (size_t i = 0; i < input.study.conditions.size(); ++i) {
+    mustache::data details(mustache::data::type::list);
+    for (const CellSummary& cell : input.summary.cells) {
+      if (cell.condition == static_cast<int>(i)) details << detail(cell);
+    }
+    list << mustache::object{{"condition", input.study.conditions[i].label}, {"details", details}};
+  }
+  return list;
+}
+
+// Trials without a picture, by condition.
+std::vector<std::vector<int64_t>> lost_trials(const ReportInput& input) {
+  std::vector<std::vector<int64_t>> lost(input.study.conditions.size());
+  for (const TrialRecord& trial : input.trials) {
+    if (trial.observations.empty()) lost[trial.condition].push_back(trial.trial);
+  }
+  return lost;
+}
+
+mustache::data lost_lines(const Study& study, const std::vector<std::vector<int64_t>>& lost) {
+  mustache::data list(mustache::data::type::list);
+  for (size_t i = 0; i < lost.size(); ++i) {
+    if (lost[i].empty()) continue;
+    const size_t named = std::min(lost[i].size(), kMostLostNamed);
+    std::string text = fmt::format("{}", fmt::join(lost[i].begin(), lost[i].begin() + named, ", "));
+    if (named < lost[i].size()) text += fmt::format(" and {} more", lost[i].size() - named);
+    list << mustache::object{{"condition", study.conditions[i].label}, {"trials", text}};
+  }
   return list;
 }
 
@@ -282,14 +287,20 @@ std::string failures(const Summary& summary) {
 
 std::string table_figure(const ReportInput& input) {
   if (input.study.kind != StudyKind::kImages) return "";  // it has the sweep's tables
+  const auto lost = lost_trials(input);
+  size_t lost_count = 0;
+  for (const std::vector<int64_t>& of_condition : lost) lost_count += of_condition.size();
   return mustache::mustache(kTemplate).render(mustache::object{
       {"caption", caption(input.study)},
       {"note", note(input.study)},
-      {"given_poses", has_given_poses(input.study)},
-      {"solvers", solver_heads(input.study)},
-      {"rows", rows(input)},
+      {"beside", has_paper_figures(input.study) ? "paper" : "median"},
+      {"groups", groups(input)},
+      {"has_lost", lost_count > 0},
+      {"lost_count", fmt::format("{} of {}", lost_count,
+                                 counted(static_cast<int64_t>(input.trials.size()), "trial"))},
+      {"lost", lost_lines(input.study, lost)},
       {"failures", failures(input.summary)},
-      {"details", details(input)},
+      {"detail_groups", detail_groups(input)},
   });
 }
 

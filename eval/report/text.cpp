@@ -47,6 +47,13 @@ std::string escape_html(std::string_view text) {
   return escaped;
 }
 
+std::string script_json(std::string json) {
+  for (size_t at = json.find('<'); at != std::string::npos; at = json.find('<', at)) {
+    json.replace(at, 1, "\\u003c");
+  }
+  return json;
+}
+
 std::string fixed(double value, int decimals) {
   if (std::isnan(value)) return "–";
   const std::string digits =

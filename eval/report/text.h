@@ -14,6 +14,9 @@ namespace sightline {
 /// Text as it may stand between tags and in quoted attributes.
 std::string escape_html(std::string_view text);
 
+/// JSON as it may stand in a <script> element: no "<", which might end it.
+std::string script_json(std::string json);
+
 /// Fixed point with a true minus sign; "–" for what is not a number, "∞" for infinity.
 std::string fixed(double value, int decimals);
 

@@ -1,0 +1,237 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/report/gnuplot.h"
+
+#include <cmath>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "eval/output_folder.h"
+#include "scenes/input_error.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kNotFound = 127;  // the exit code of a program that is not there
+constexpr std::string_view kInk = "#1d2126";
+
+// In single quotes, where gnuplot takes all but the quote as it stands. Scripts switch off its
+// markup.
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) {
+    out += c;
+    if (c == '\'') out += c;
+  }
+  out += '\'';
+  return out;
+}
+
+std::string number(double value) {
+  return std::isfinite(value) ? fmt::format("{:.10g}", value) : "NaN";
+}
+
+struct Column {
+  const char* name;
+  std::vector<double> ChartSeries::*values;
+};
+
+constexpr Column kColumns[] = {{"x", &ChartSeries::x},         {"y", &ChartSeries::y},
+                               {"low", &ChartSeries::low},     {"high", &ChartSeries::high},
+                               {"least", &ChartSeries::least}, {"most", &ChartSeries::most},
+                               {"value", &ChartSeries::value}, {"trials", &ChartSeries::count}};
+
+std::string axis_script(const char* name, const ChartAxis& axis) {
+  std::string script = fmt::format("set {}label {}\n", name, quoted(axis.label));
+  if (axis.is_log) script += fmt::format("set logscale {}\n", name);
+  if (!axis.names.empty()) {
+    std::vector<std::string> places;
+    for (size_t i = 0; i < axis.names.size(); ++i) {
+      places.push_back(fmt::format("{} {}", quoted(axis.names[i]), i));
+    }
+    script +=
+        fmt::format("set {}tics rotate by -30 ({})\nset {}range [-0.5:{}]\n", name,
+                    fmt::join(places, ", "), name, static_cast<double>(axis.names.size()) - 0.5);
+  } else if (!std::isnan(axis.low) || !std::isnan(axis.high)) {
+    script +=
+        fmt::format("set {}range [{}:{}]\n", name, std::isnan(axis.low) ? "*" : number(axis.low),
+                    std::isnan(axis.high) ? "*" : number(axis.high));
+  }
+  return script;
+}
+
+std::string_view colour_of(const ChartSeries& series) {
+  return series.style < 0 ? kInk : kHuesOnWhite[series.style % kHues];
+}
+
+// What tells apart series of one hue.
+int turn_of(const ChartSeries& series) {
+  return series.style < 0 ? 1 : series.style / static_cast<int>(kHues);
+}
+
+std::string line_style(const ChartSeries& series) {
+  return fmt::format("dt {} lw 1.5 lc rgb '{}'", turn_of(series) + 1, colour_of(series));
+}
+
+std::string mark_style(const ChartSeries& series) {
+  constexpr int kMarks[] = {7, 9, 5, 13};
+  constexpr int kHollow = 6;
+  return fmt::format("pt {} ps 0.5", series.is_from_paper ? kHollow : kMarks[turn_of(series) % 4]);
+}
+
+std::string point_style(const ChartSeries& series) {
+  return fmt::format("{} lc rgb '{}'", mark_style(series), colour_of(series));
+}
+
+// The clauses that draw one series; `data` is its block.
+std::vector<std::string> clauses(const Chart& chart, const ChartSeries& series,
+                                 const std::string& data) {
+  const std::string title = "title " + quoted(series.label);
+  const bool has_interval = !series.low.empty();
+  switch (chart.kind) {
+    case ChartKind::kLines: {
+      std::vector<std::string> parts;
+      if (has_interval) {
+        parts.push_back(fmt::format(
+            "{} using 1:3:4 with filledcurves fs transparent solid 0.15 noborder lc rgb '{}' "
+            "notitle",
+            data, colour_of(series)));
+      }
+      parts.push_back(fmt::format("{} using 1:2 with linespoints {} {} {}", data,
+                                  line_style(series), mark_style(series), title));
+      return parts;
+    }
+    case ChartKind::kPoints:
+      if (!has_interval) {
+        return {fmt::format("{} using 1:2 with points {} {}", data, point_style(series), title)};
+      }
+      return {
+          fmt::format("{} using 1:2:3:4 with yerrorbars {} {}", data, point_style(series), title)};
+    case ChartKind::kSteps:
+      return {fmt::format("{} using 1:2 with steps {} {}", data, line_style(series), title)};
+    case ChartKind::kBoxes: {
+      const std::string colour = fmt::format("lc rgb '{}'", colour_of(series));
+      return {
+          fmt::format("{0} using 1:3:5:6:4 with candlesticks whiskerbars 0.5 {1} fs transparent "
+                      "solid 0.25 border {1} notitle",
+                      data, colour),
+          fmt::format("{} using 1:2:2:2:2 with candlesticks {} lw 2 notitle", data, colour)};
+    }
+    case ChartKind::kCells:
+      return {fmt::format(
+          "{} using 1:2:($1-{}):($1+{}):($2-{}):($2+{}):7 with boxxyerror fs solid noborder lc "
+          "palette notitle",
+          data, chart.cell_size[0] / 2, chart.cell_size[0] / 2, chart.cell_size[1] / 2,
+          chart.cell_size[1] / 2)};
+  }
+  return {};
+}
+
+std::string colour_script(const Chart& chart) {
+  std::vector<std::string> steps;
+  for (size_t i = 0; i < kCellColours.size(); ++i) {
+    steps.push_back(fmt::format("{} '{}'", i, kCellColours[i]));
+  }
+  return fmt::format("set palette defined ({})\nset style data boxxyerror\n",
+                     fmt::join(steps, ", ")) +
+         axis_script("cb", chart.value);
+}
+
+// Runs gnuplot over scripts in a folder; its exit code.
+int run_gnuplot(const fs::path& folder, std::span<const Chart> charts) {
+  std::vector<std::string> arguments = {"gnuplot"};
+  for (const Chart& chart : charts) arguments.push_back(chart.id + ".gp");
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) argv.push_back(argument.data());
+  argv.push_back(nullptr);
+
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  pid_t process = 0;
+  const int error = posix_spawnp(&process, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) return kNotFound;
+  int status = 0;
+  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+}  // namespace
+
+std::string gnuplot_data(const Chart& chart) {
+  std::string text;
+  for (const ChartSeries& series : chart.series) {
+    text += fmt::format("{}# {}{}\n#", text.empty() ? "" : "\n\n", series.label,
+                        series.is_from_paper ? " (paper)" : "");
+    for (const Column& column : kColumns) text += fmt::format(" {}", column.name);
+    text += '\n';
+    for (size_t i = 0; i < series.x.size(); ++i) {
+      const char* separator = "";
+      for (const Column& column : kColumns) {
+        const std::vector<double>& values = series.*column.values;
+        text += separator;
+        text += values.empty() ? "NaN" : number(values[i]);
+        separator = " ";
+      }
+      text += '\n';
+    }
+  }
+  return text;
+}
+
+std::string gnuplot_script(const Chart& chart) {
+  const bool has_key = chart.kind != ChartKind::kCells && chart.kind != ChartKind::kBoxes;
+  std::string script = fmt::format(
+      "# Draws {0}.svg from {0}.dat: gnuplot {0}.gp\nreset\nset encoding utf8\n"
+      "set terminal svg size 640,420 noenhanced font 'Helvetica,Arial,sans-serif,13' "
+      "background '#ffffff'\nset output '{0}.svg'\nset title {1}\nset border 3\n"
+      "set tics nomirror out\nset grid lc rgb '#d9dad4'\n",
+      chart.id,
+      quoted(chart.option.empty() ? chart.title : chart.title + " (" + chart.option + ")"));
+  script += has_key ? "set key outside right noenhanced\n" : "set boxwidth 0.5\n";
+  script += axis_script("x", chart.x) + axis_script("y", chart.y);
+  if (chart.kind == ChartKind::kCells) script += colour_script(chart);
+  std::vector<std::string> all;
+  for (size_t i = 0; i < chart.series.size(); ++i) {
+    const std::string data = fmt::format("'{}.dat' index {}", chart.id, i);
+    for (std::string& clause : clauses(chart, chart.series[i], data)) {
+      all.push_back(std::move(clause));
+    }
+  }
+  return script + fmt::format("plot {}\nset output\n", fmt::join(all, ", \\\n  "));
+}
+
+std::string write_figures(const fs::path& folder, std::span<const Chart> charts) {
+  if (charts.empty()) return "";
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw InputError(fmt::format("{}: cannot be written ({})", folder.string(), error.message()));
+  }
+  for (const Chart& chart : charts) {
+    write_file(folder / (chart.id + ".dat"), gnuplot_data(chart));
+    write_file(folder / (chart.id + ".gp"), gnuplot_script(chart));
+  }
+  switch (run_gnuplot(folder, charts)) {
+    case 0:
+      return "";
+    case kNotFound:
+      return "gnuplot is not installed: figures/ holds scripts and data, but no .svg";
+    default:
+      return "gnuplot failed: figures/ holds scripts and data, and not every .svg";
+  }
+}
+
+}  // namespace sightline

@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/report/panels.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <map>
+#include <set>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "eval/report/text.h"
+#include "eval/summary.h"
+
+namespace sightline {
+namespace {
+
+constexpr const char* kGivenPose = "pose";  // a number that is no quantity
+constexpr size_t kMostGroups = 12;
+constexpr double kSpread = 0.6;  // of the room between two places
+
+using Values = std::map<std::string, std::set<std::string>>;
+
+std::string shown(double value) {
+  return fmt::format("{}", value);
+}
+
+// What is swept, and its values.
+Values swept_values(const Study& study) {
+  Values values;
+  for (const Condition& condition : study.conditions) {
+    for (const auto& [key, value] : condition.values) values[key].insert(shown(value));
+    for (const auto& [key, value] : condition.words) values[key].insert(value);
+  }
+  std::erase_if(values, [](const auto& entry) { return entry.second.size() < 2; });
+  return values;
+}
+
+// The key of numbers with the most values; empty where there is none.
+std::string axis_key(const Study& study, const Values& values) {
+  std::string best;
+  for (const auto& [key, of_key] : values) {
+    const bool is_number = std::all_of(study.conditions.begin(), study.conditions.end(),
+                                       [&](const Condition& c) { return c.values.contains(key); });
+    if (key == kGivenPose || !is_number) continue;
+    if (best.empty() || of_key.size() > values.at(best).size()) best = key;
+  }
+  return best;
+}
+
+// "noise_px" becomes "noise, px".
+std::string key_label(const std::string& key) {
+  static constexpr std::array<std::array<std::string_view, 2>, 6> kUnits = {
+      {{"_px", "px"},
+       {"_m", "m"},
+       {"_deg", "°"},
+       {"_percent", "%"},
+       {"_grey", "grey levels"},
+       {"_electrons", "electrons"}}};
+  for (const auto& [ending, unit] : kUnits) {
+    if (!key.ends_with(ending)) continue;
+    return fmt::format("{}, {}", words(key.substr(0, key.size() - ending.size())), unit);
+  }
+  return words(key);
+}
+
+// The swept values of a condition other than that of the axis.
+std::string rest_of(const Condition& condition, const Values& values, const std::string& axis) {
+  std::string text;
+  for (const auto& [key, of_key] : values) {
+    if (key == axis) continue;
+    const auto number = condition.values.find(key);
+    const std::string value =
+        number != condition.values.end() ? shown(number->second) : condition.words.at(key);
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", words(key), value);
+  }
+  return text;
+}
+
+SweepPanel panel_of_words(const Study& study) {
+  SweepPanel panel;
+  for (size_t i = 0; i < study.conditions.size(); ++i) {
+    panel.axis.names.push_back(study.conditions[i].label);
+    panel.conditions.push_back(static_cast<int>(i));
+    panel.x.push_back(static_cast<double>(i));
+  }
+  return panel;
+}
+
+void sort_by_x(SweepPanel& panel, const Study& study, const std::string& key) {
+  const auto x_of = [&](int c) { return study.conditions[c].values.at(key); };
+  std::stable_sort(panel.conditions.begin(), panel.conditions.end(),
+                   [&](int a, int b) { return x_of(a) < x_of(b); });
+  for (const int condition : panel.conditions) panel.x.push_back(x_of(condition));
+  choose_scale(panel.axis, panel.x);
+  // An end for all that is on it: a power of ten may lie far below.
+  if (panel.axis.is_log) panel.axis.low = std::numeric_limits<double>::quiet_NaN();
+  if (panel.axis.is_log && panel.x.front() <= 0) panel.axis.is_log = false;
+}
+
+template <typename Record>
+double or_infinity(const std::vector<Record>& records, size_t solver, double Record::*error) {
+  if (solver >= records.size()) return std::numeric_limits<double>::infinity();
+  const Record& record = records[solver];
+  const double value = record.*error;
+  return value >= 0 ? value : std::numeric_limits<double>::infinity();
+}
+
+template <double EstimateRecord::*kError>
+double estimate_error(const TrialRecord& trial, size_t solver) {
+  const bool is_ok = solver < trial.estimates.size() && trial.estimates[solver].is_ok();
+  return is_ok ? or_infinity(trial.estimates, solver, kError)
+               : std::numeric_limits<double>::infinity();
+}
+
+// Means over a trial's copies, in which a failed copy counts as the cap already.
+template <double OrientationRecord::*kError>
+double copies_error(const TrialRecord& trial, size_t method) {
+  return or_infinity(trial.orientations, method, kError);
+}
+
+}  // namespace
+
+std::vector<SweepPanel> sweep_panels(const Study& study) {
+  if (study.conditions.size() < 2) return {};
+  const Values values = swept_values(study);
+  const std::string key = axis_key(study, values);
+  if (key.empty()) return {panel_of_words(study)};
+  std::vector<SweepPanel> panels;
+  for (size_t i = 0; i < study.conditions.size(); ++i) {
+    const std::string option = rest_of(study.conditions[i], values, key);
+    auto panel = std::find_if(panels.begin(), panels.end(),
+                              [&](const SweepPanel& p) { return p.option == option; });
+    if (panel == panels.end()) {
+      panel = panels.insert(panels.end(), SweepPanel{option, {key_label(key)}, {}, {}});
+    }
+    panel->conditions.push_back(static_cast<int>(i));
+  }
+  for (SweepPanel& panel : panels) sort_by_x(panel, study, key);
+  return panels;
+}
+
+double beside(double place, size_t index, size_t count) {
+  if (count < 2) return place;
+  return place + kSpread * (static_cast<double>(index) / static_cast<double>(count - 1) - 0.5);
+}
+
+std::vector<TrialError> trial_errors(const Study& study) {
+  if (study.kind == StudyKind::kOrientation) {
+    return {{"angle", "Error of an Euler angle, °", kAngleCapDeg,
+             copies_error<&OrientationRecord::angle_error_deg>},
+            {"t", "T error, %", kTranslationCapPercent,
+             copies_error<&OrientationRecord::t_error_percent>}};
+  }
+  return {{"theta", "θ error, °", kAngleCapDeg, estimate_error<&EstimateRecord::theta_error_deg>},
+          {"t", "T error, %", kTranslationCapPercent,
+           estimate_error<&EstimateRecord::t_error_percent>}};
+}
+
+TrialError geodesic_error() {
+  return {"geodesic", "Geodesic error, °", kAngleCapDeg,
+          estimate_error<&EstimateRecord::geodesic_deg>};
+}
+
+std::string label_in(const Study& study, const std::string& solver) {
+  return words(study.kind == StudyKind::kOrientation ? solver : solver_label(solver));
+}
+
+std::vector<TrialGroup> trial_groups(const Study& study) {
+  const size_t conditions = study.conditions.size();
+  if (conditions < 2) return {{"", -1}};
+  std::vector<TrialGroup> groups = {{"all conditions", -1}};
+  for (size_t i = 0; i < std::min(conditions, kMostGroups); ++i) {
+    groups.push_back({study.conditions[i].label, static_cast<int>(i)});
+  }
+  return groups;
+}
+
+std::string chart_id(const std::string& group, size_t number) {
+  return fmt::format("{}-{}", group, number + 1);
+}
+
+}  // namespace sightline
