@@ -39,7 +39,8 @@ SurfacePoint RayHits::on(int triangle, const Eigen::Vector2d& normalised) const 
   const Eigen::Vector3d b = mesh.vertices[corner[1]] - eye_in_body_;
   const Eigen::Vector3d c = mesh.vertices[corner[2]] - eye_in_body_;
   // The volumes that the ray spans with the edges; their sum is the winding normal along the ray.
-  Eigen::Vector3d volumes(b.cross(c).dot(ray), c.cross(a).dot(ray), a.cross(b).dot(ray));
+  const Eigen::Vector3d across = c.cross(ray);
+  Eigen::Vector3d volumes(b.dot(across), -a.dot(across), a.cross(b).dot(ray));
   SurfacePoint point;
   point.triangle = triangle;
   point.is_front = volumes.sum() < 0;

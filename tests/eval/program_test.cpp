@@ -29,6 +29,22 @@ class Program : public testing::Test {
   TemporaryFolder folder_;
 };
 
+TEST_F(Program, DoctorSaysWhoDraws) {
+  const Outcome outcome = run("doctor");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  for (const char* text : {"own rasteriser", "--gl osmesa", "--gl egl", "--shard auto", "assets"}) {
+    EXPECT_THAT(outcome.output, HasSubstr(text));
+  }
+  EXPECT_THAT(outcome.output, testing::Not(HasSubstr("promised")));  // only when asked
+}
+
+TEST_F(Program, AnOpenGlThatNobodyKnowsIsAUsageError) {
+  const Outcome outcome = run("study boeing-table1 --trials 1 --gl vulkan --out " + path("run"));
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.output, HasSubstr("osmesa"));
+  EXPECT_FALSE(fs::exists(path("run")));
+}
+
 TEST_F(Program, RunsTable1FromMeshToReport) {
   const Outcome outcome = run("study boeing-table1 --trials 2 --out " + path("run"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
