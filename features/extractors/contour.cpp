@@ -96,6 +96,16 @@ Eigen::Vector3d row_of(const OutlineSample& sample, const Eigen::Vector2d& featu
           sample.normal.y() * arm.x() - sample.normal.x() * arm.y()};
 }
 
+// True where what was found holds the shift in every direction nearly as well as all samples would.
+bool is_held(const Eigen::Matrix2d& found, const std::vector<SamplePeaks>& samples) {
+  Eigen::Matrix2d all = Eigen::Matrix2d::Zero();
+  for (const SamplePeaks& at : samples) all += at.sample->normal * at.sample->normal.transpose();
+  const auto least = [](const Eigen::Matrix2d& information) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(information).eigenvalues()[0];
+  };
+  return least(found) >= kMinSupport * least(all);
+}
+
 std::optional<Registration> registered(const std::vector<SamplePeaks>& samples,
                                        const Eigen::Vector2d& feature, const Eigen::Vector2d& shift,
                                        double turn_sd_rad) {
@@ -134,6 +144,7 @@ std::optional<Registration> registered(const std::vector<SamplePeaks>& samples,
     if (n < kFewestSamples || n < kMinSupport * static_cast<double>(samples.size())) {
       return std::nullopt;
     }
+    if (!is_held(information.topLeftCorner<2, 2>(), samples)) return std::nullopt;
     const Eigen::LDLT<Eigen::Matrix3d> factor(information);
     fit.motion = factor.solve(sum);
     squares = std::max(0.0, squares - fit.motion.dot(sum));

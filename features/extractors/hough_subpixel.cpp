@@ -26,7 +26,7 @@ constexpr double kBandPx = 3;       // of fit_blurred_edge
 constexpr double kOffCornerPx = 3;  // of a band's pixel from the other line
 constexpr double kOffEndPx = 1;     // from the last edge pixel
 constexpr double kLeastStretchPx = 6;
-constexpr double kFloorPx = 0.04;  // of a line's offset: what an even, straight edge is not
+constexpr double kFloorPx = 0.03;  // of a line's offset: what an even, straight edge is not
 
 LineOptions canny_by_noise(LineOptions options, double noise_sd_grey) {
   const double noise = kSobelNoise * noise_sd_grey;

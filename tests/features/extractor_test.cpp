@@ -147,7 +147,7 @@ TEST(ShiTomasiNearest, NoiseIsNoCorner) {
   EXPECT_EQ(noisy.status, ObservationStatus::kNoCorner);
   const Observation flat =
       extract(cv::Mat(kSize, kSize, CV_8U, cv::Scalar(40)), corner_prediction({60, 60}));
-  EXPECT_EQ(flat.status, ObservationStatus::kNoCorner);
+  EXPECT_EQ(flat.status, ObservationStatus::kEmptyWindow);
 }
 
 TEST(ShiTomasiNearest, TheContrastFloorMeansWhatItSays) {

@@ -161,12 +161,12 @@ TEST_P(OnAPlate, WhatLiesOutsideAGateIsNotFound) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, OnAPlate,
-                         testing::Values(Promise{"hough_subpixel", 0.10, 0.5},
+                         testing::Values(Promise{"hough_subpixel", 0.10, 0.4},
                                          Promise{"lsd_intersection", 0.30, 0.2},
                                          Promise{"model_edges", 0.12, 0.4},
                                          Promise{"contour", 0.15, 0.05},
                                          Promise{"harris_subpixel", 0.40, 0.1}),
-                         [](const auto& info) { return std::string(info.param.extractor); });
+                         [](const auto& one) { return std::string(one.param.extractor); });
 
 TEST(Lsd, ItsShiftIsCorrected) {
   // OpenCV's own is 0.12 px in either coordinate.
