@@ -462,9 +462,8 @@ std::string counts_text(const Comparison& comparison) {
 
 std::string rule_text(const Comparison& comparison) {
   return fmt::format(
-      "Worse or better: p < {} of no change beyond a tolerance of {:g} %, adjusted by Holm over "
-      "all "
-      "numbers compared.",
+      "Worse or better: the interval of the change lies beyond the tolerance of {:g} %, and p < {} "
+      "adjusted by Holm over all numbers compared.",
       100 * comparison.tolerance, kLevel);
 }
 

@@ -194,12 +194,13 @@ TEST_F(Compare, BadInputIsOneLine) {
 struct Guarded {
   const char* baseline;  // a summary.json alone, or with the trials beside it
   const char* arguments;
+  const char* worse;  // further arguments: with what the pipeline is worse
 };
 
 class Guard : public Compare, public testing::WithParamInterface<Guarded> {};
 
 TEST_P(Guard, NothingIsWorseThanItWas) {
-  const auto [baseline, arguments] = GetParam();
+  const auto [baseline, arguments, worse] = GetParam();
   const std::string out = path("now").string();
   ASSERT_EQ(run(std::string("study ") + arguments + " --quiet --out " + out).exit_code, 0);
   const Outcome outcome = run("compare " + kBaselines + baseline + " " + out);
@@ -207,11 +208,10 @@ TEST_P(Guard, NothingIsWorseThanItWas) {
 }
 
 TEST_P(Guard, AWorsePipelineIsNoticed) {
-  const auto [baseline, arguments] = GetParam();
+  const auto [baseline, arguments, worse] = GetParam();
   const std::string out = path("worse").string();
-  ASSERT_EQ(run(std::string("study ") + arguments + " --set noise.scale=4 --quiet --out " + out)
-                .exit_code,
-            0);
+  const std::string study = std::string("study ") + arguments + worse;
+  ASSERT_EQ(run(study + " --quiet --out " + out).exit_code, 0);
   const Outcome outcome = run("compare " + kBaselines + baseline + " " + out);
   EXPECT_EQ(outcome.exit_code, 3) << outcome.output;
 }
@@ -220,8 +220,9 @@ INSTANTIATE_TEST_SUITE_P(
     Baselines, Guard,
     testing::Values(Guarded{"cube-noise.json",
                             "cube-noise --trials 20 --set 'sweep.noise_px=[0.5, 2]' --set "
-                            "'solvers=[\"orpe\", \"lspe\", \"oracle\"]'"},
-                    Guarded{"boeing-random", "boeing-random --trials 30"}),
+                            "'solvers=[\"orpe\", \"lspe\", \"oracle\"]'",
+                            " --set noise.scale=4"},
+                    Guarded{"boeing-random", "boeing-random --trials 30", " --set noise.scale=20"}),
     [](const auto& parameter) {
       return std::string(parameter.param.baseline).starts_with("cube") ? "CubeNoise"
                                                                        : "BoeingRandom";
