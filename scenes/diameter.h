@@ -9,7 +9,7 @@
 namespace sightline {
 
 /// The greatest distance between two of the points, exactly; 0 of fewer than two. By branch and
-/// bound over a tree of boxes: milliseconds for a vehicle, and about a second for 200 000 points on a
+/// bound over a tree of boxes: milliseconds for a vehicle, about a second for 200 000 points on a
 /// sphere, where no pair stands out.
 double diameter(std::vector<Eigen::Vector3d> points);
 

@@ -188,12 +188,12 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
 
 {objects}
 - gray/: linear grey, {bits} bits; white is {white}. Nothing is gamma-encoded.
-- depth/: 16 bits; times depth_scale = {depth_scale} mm it is z of what the pixel's centre sees. 0 is
-  background. sightline/ has the exact depth (truth: {truth}).
+- depth/: 16 bits; times depth_scale = {depth_scale} mm it is z of what the pixel's centre sees.
+  0 is background. sightline/ has the exact depth (truth: {truth}).
 - mask/: the whole object as if nothing hid it; mask_visib/: what of it is seen. By ids, pixel by
   pixel, without any tolerance of depth.
-- Pixel centres are at integers: (0, 0) is the centre of the top-left pixel. Camera: x right, y down,
-  z forward. Millimetres here, metres in sightline/.
+- Pixel centres are at integers: (0, 0) is the centre of the top-left pixel. Camera: x right,
+  y down, z forward. Millimetres here, metres in sightline/.
 - Lens distortion has no place in this format: k1, k2, p1, p2, k3 = {k1}, {k2}, {p1}, {p2}, {k3}
   (Brown and Conrady, OpenCV's signs), also in sightline/.
 - models_eval/ equals models/: the meshes as they were rendered.
