@@ -204,10 +204,20 @@ function scaleOf(spec, look, isX) {
   return scale;
 }
 
+function markOf(series) {
+  if (series.paper) return HOLLOW;
+  return series.style < 0 ? 'line' : MARKS[turnOf(series)];
+}
+
+// The bound is a line, or a dash at each place of words.
+function radiusOf(spec, series) {
+  if (spec.kind === 'points') return series.style < 0 ? 9 : series.paper ? 5 : 3;
+  return spec.kind === 'lines' && series.style >= 0 ? 3 : 0;
+}
+
 function datasetOf(spec, series, look) {
   const colour = colourOf(series, look);
   const isJoined = spec.kind === 'lines' || spec.kind === 'steps';
-  const isMarked = spec.kind === 'lines' || spec.kind === 'points';
   return {
     label: series.label,
     series,
@@ -217,10 +227,10 @@ function datasetOf(spec, series, look) {
     stepped: spec.kind === 'steps' ? 'before' : false,
     borderColor: colour,
     borderWidth: series.paper ? 1.5 : 2,
-    borderDash: DASHES[turnOf(series)],
+    borderDash: spec.kind === 'points' ? [] : DASHES[turnOf(series)],
     backgroundColor: series.paper ? 'transparent' : colour,
-    pointStyle: series.paper ? HOLLOW : MARKS[turnOf(series)],
-    pointRadius: isMarked && series.style >= 0 ? (series.paper ? 5 : 3) : 0,
+    pointStyle: markOf(series),
+    pointRadius: radiusOf(spec, series),
     pointHoverRadius: spec.kind === 'cells' ? 0 : 5,
     pointHitRadius: 8,
   };

@@ -49,7 +49,8 @@ TEST_F(Program, RunsTable1FromMeshToReport) {
   const Outcome outcome = run("study boeing-table1 --trials 2 --out " + path("run"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   for (const char* file : {"study.toml", "manifest.json", "results.sqlite", "results.csv",
-                           "summary.json", "report.html"}) {
+                           "summary.json", "report.html", "figures/boxes-theta-1.gp",
+                           "figures/boxes-theta-1.dat", "figures/boxes-theta-1.svg"}) {
     EXPECT_TRUE(fs::exists(folder_.path() / "run" / file)) << file;
   }
   EXPECT_THAT(outcome.output, HasSubstr("report.html"));
