@@ -19,6 +19,7 @@
 #include "renderer/sample_pattern.h"
 #include "scenes/assets.h"
 #include "scenes/input_error.h"
+#include "scenes/scene.h"
 
 namespace sightline {
 namespace {
@@ -101,7 +102,7 @@ std::string edge_table() {
       "512\n"
       "  samples   general edges       edges along an axis   vertices            ms a frame\n";
   Renderer renderer;
-  for (const int samples : sample_counts()) {
+  for (const int samples : kSampleCounts) {
     const EdgeErrors measured = measure_edge_errors(renderer, samples, kPoses);
     const EdgeErrors promised = promised_edge_errors(samples);
     const auto cell = [](double value, double limit) {

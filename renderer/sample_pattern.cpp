@@ -11,11 +11,10 @@
 #include <fmt/ranges.h>
 
 #include "scenes/input_error.h"
+#include "scenes/scene.h"
 
 namespace sightline {
 namespace {
-
-constexpr int kCounts[] = {1, 4, 8, 16, 32, 64, 256};
 
 using Vector = std::array<int, 2>;
 
@@ -77,20 +76,16 @@ SamplePattern make_pattern(int count) {
 
 }  // namespace
 
-std::span<const int> sample_counts() {
-  return kCounts;
-}
-
 const SamplePattern& sample_pattern(int samples_per_pixel) {
   static const std::map<int, SamplePattern> patterns = [] {
     std::map<int, SamplePattern> made;
-    for (const int count : kCounts) made.emplace(count, make_pattern(count));
+    for (const int count : kSampleCounts) made.emplace(count, make_pattern(count));
     return made;
   }();
   const auto found = patterns.find(samples_per_pixel);
   if (found != patterns.end()) return found->second;
   throw InputError(fmt::format("samples_per_pixel is {}, must be one of {}", samples_per_pixel,
-                               fmt::join(kCounts, ", ")));
+                               fmt::join(kSampleCounts, ", ")));
 }
 
 }  // namespace sightline

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 #include <vector>
 
 namespace sightline {
@@ -20,9 +19,6 @@ struct SamplePattern {
   std::array<int, 4> skewed_from_pixel{1, 0, 0, 1};
   std::array<double, 2> first{0, 0};
 };
-
-/// The numbers of samples a pixel that can be had, in ascending order.
-std::span<const int> sample_counts();
 
 /// Throws InputError for a number of samples that cannot be had.
 const SamplePattern& sample_pattern(int samples_per_pixel);

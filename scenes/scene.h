@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -16,8 +17,12 @@
 
 namespace sightline {
 
+/// The numbers of samples that a pixel may have.
+inline constexpr std::array kSampleCounts = {1, 4, 8, 16, 32, 64, 256};
+
 /// One distant light and an even glow: grey = albedo (ambient + directional max(0, n . l)) +
-/// specular max(0, n . h)^shininess, h half way between light and eye (Blinn 1977).
+/// specular max(0, n . h)^shininess, h half way between light and eye (Blinn 1977), where
+/// n . l > 0 and no shadow falls.
 struct Light {
   Eigen::Vector3d to_light_in_cam = -Eigen::Vector3d::UnitZ();  ///< unit vector; default: headlight
   double ambient = 0.30;
@@ -97,7 +102,7 @@ struct Scene {
   Livery livery;
   Motion motion;
   Sensor sensor;
-  int samples_per_pixel = 16;  ///< 1, 4, 16 or 64, see the renderer
+  int samples_per_pixel = 16;  ///< one of kSampleCounts; see the renderer
 };
 
 /// The standard deviations of a prior pose about the truth, such as a tracker would hand over.

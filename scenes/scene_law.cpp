@@ -6,10 +6,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <set>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/imgcodecs.hpp>
 
 #include "pose/attitude.h"
@@ -71,11 +71,11 @@ PoseLaw read_poses(const TomlTable& table) {
 }
 
 void read_image(const TomlTable& image, SceneLaw& law) {
-  law.samples_per_pixel = static_cast<int>(image.integer("samples_per_pixel", {1, 64}, 16));
-  const std::set<int> allowed = {1, 4, 16, 64};
-  if (!allowed.contains(law.samples_per_pixel)) {
-    image.fail("samples_per_pixel",
-               fmt::format("is {}, must be 1, 4, 16 or 64", law.samples_per_pixel));
+  law.samples_per_pixel = static_cast<int>(image.integer("samples_per_pixel", {1, 256}, 16));
+  const auto end = kSampleCounts.end();
+  if (std::find(kSampleCounts.begin(), end, law.samples_per_pixel) == end) {
+    image.fail("samples_per_pixel", fmt::format("is {}, must be one of {}", law.samples_per_pixel,
+                                                fmt::join(kSampleCounts, ", ")));
   }
   law.psf_sigma_px = drawn(image, "psf_sigma_px", {0, 50}, 0.7);
   law.gain = drawn(image, "gain", {0.001, 1000}, 1);

@@ -26,7 +26,7 @@
 namespace sightline {
 namespace {
 
-constexpr int kSampleCounts[] = {1, 4, 16, 64};
+constexpr int kBenchedSampleCounts[] = {1, 4, 16, 64};
 
 Scene scene_of(int samples_per_pixel) {
   Scene scene;
@@ -279,7 +279,7 @@ void run_embree(benchmark::State& state, int samples_per_pixel) {
 }  // namespace
 
 Comparison register_render() {
-  for (const int samples : kSampleCounts) {
+  for (const int samples : kBenchedSampleCounts) {
     const std::string size = std::to_string(samples);
     const auto add = [](const std::string& name, const auto& run) {
       benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond);

@@ -71,7 +71,7 @@ TEST(Study, MistakesGetOneClearLine) {
   EXPECT_THAT(error_of({"solvers=['orpee']"}), HasSubstr("did you mean 'orpe'"));
   EXPECT_THAT(error_of({"features=['nos']"}), HasSubstr("did you mean 'nose'"));
   EXPECT_THAT(error_of({"extraction.corner=shi_tomasi"}), HasSubstr("shi_tomasi_nearest"));
-  EXPECT_THAT(error_of({"image.samples_per_pixel=5"}), HasSubstr("1, 4, 16 or 64"));
+  EXPECT_THAT(error_of({"image.samples_per_pixel=5"}), HasSubstr("1, 4, 8, 16"));
   EXPECT_THAT(error_of({"camera.f_px=-1"}), HasSubstr("camera.f_px"));
   EXPECT_THAT(error_of({"solvers=[]"}), HasSubstr("at least one"));
   EXPECT_THAT(error_of({"solvers=['orpe', 'orpe']"}), HasSubstr("twice"));

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "renderer/sample_pattern.h"
+#include "scenes/scene.h"
 
 namespace sightline {
 namespace {
@@ -30,7 +31,7 @@ TEST_P(EdgeErrorsOf, StayWithinThePromise) {
 }
 
 INSTANTIATE_TEST_SUITE_P(EverySampleCount, EdgeErrorsOf,
-                         testing::ValuesIn(sample_counts().begin(), sample_counts().end()));
+                         testing::ValuesIn(kSampleCounts.begin(), kSampleCounts.end()));
 
 TEST(EdgeErrors, ThePromisesAreThoseAskedFor) {
   EXPECT_LE(promised_edge_errors(16).general_px, 0.005);

@@ -9,12 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "scenes/input_error.h"
+#include "scenes/scene.h"
 
 namespace sightline {
 namespace {
 
 TEST(SamplePattern, NoTwoSamplesShareAColumnOrARow) {
-  for (const int count : sample_counts()) {
+  for (const int count : kSampleCounts) {
     const SamplePattern& pattern = sample_pattern(count);
     ASSERT_EQ(pattern.count, count);
     ASSERT_EQ(pattern.x.size(), static_cast<size_t>(count));
@@ -29,7 +30,7 @@ TEST(SamplePattern, NoTwoSamplesShareAColumnOrARow) {
 }
 
 TEST(SamplePattern, BeginsAtThePixelsCentre) {
-  for (const int count : sample_counts()) {
+  for (const int count : kSampleCounts) {
     const SamplePattern& pattern = sample_pattern(count);
     for (int k = 1; k < count; ++k) {
       EXPECT_GE(std::hypot(pattern.x[k], pattern.y[k]) + 1e-6,
@@ -39,7 +40,7 @@ TEST(SamplePattern, BeginsAtThePixelsCentre) {
 }
 
 TEST(SamplePattern, TheSkewedImageHasEverySampleOnce) {
-  for (const int count : sample_counts()) {
+  for (const int count : kSampleCounts) {
     const SamplePattern& pattern = sample_pattern(count);
     const auto& m = pattern.skewed_from_pixel;
     EXPECT_EQ(m[0] * m[3] - m[1] * m[2], count);
