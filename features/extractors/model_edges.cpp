@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kGapPx = 2.5;  // kept off an edge's ends, where the next edge bends the gradient
 constexpr double kMinSupport = 0.4;  // of the samples must have a peak on the line
-constexpr size_t kFewestSamples = 6;
+constexpr size_t kFewestSamples = 4;
 constexpr std::array kRoundsPx = {1.8, 1.3, 1.0, 0.8};  // of a peak from the line, round by round
 // Neighbouring samples share what smoothing and blur spread: so many are worth one.
 constexpr double kSamplesOfOne = 3;

@@ -229,9 +229,13 @@ TEST(Truth, AFreeBodysAmodalTruthIsWhatIsSeen) {
 
 // Features on a plate: in its middle, and 0.4 m to the right.
 Scene plate_behind_a_plate() {
-  TargetFeature middle{"middle", FeatureKind::kLineIntersection, {0, 0, 0}, 0.01, {}};
+  TargetFeature middle;
+  middle.name = "middle";
+  middle.kind = FeatureKind::kLineIntersection;
   middle.edges = {Edge{{0, 0, 0}, {0.4, 0, 0}}, Edge{{0, 0, 0}, {0, 0.4, 0}}};
-  const TargetFeature right{"right", FeatureKind::kCorner, {0.4, 0, 0}, 0.01, {}};
+  TargetFeature right;
+  right.name = "right";
+  right.position_m = {0.4, 0, 0};
   Scene scene = coverage_scene(plate(1), at(0, 0, 60));
   scene.target = target_of(plate(1), {middle, right});
   scene.others.push_back({target_of(plate(0.2)), at(0, 0, 50), true});
