@@ -443,8 +443,8 @@ TEST(RmsRatio, CoversTheTrueRatioOfPairedErrorsAsOftenAsItSays) {
 }
 
 TEST(TrialsFor, GoWithTheSquareOfTheWidth) {
-  EXPECT_EQ(trials_for(0.05, 100, 1, {0.9, 1.1}), 400);
-  EXPECT_EQ(trials_for(0.1, 100, 1, {0.9, 1.1}), 100);
+  EXPECT_EQ(trials_for(0.0625, 100, 1, {0.875, 1.125}), 400);
+  EXPECT_EQ(trials_for(0.125, 100, 1, {0.875, 1.125}), 100);
   EXPECT_FALSE(trials_for(0.05, 100, 0, {0, 0}));
   EXPECT_FALSE(trials_for(0.05, 1, 1, kNoInterval));
 }
