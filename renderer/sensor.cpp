@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "renderer/sensor.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -33,14 +34,22 @@ void add_noise(float* light, const float* normals, int count, const Sensor& sens
 }
 
 template <typename Pixel>
-void quantise(const float* light, Pixel* to, int count, const Sensor& sensor) {
-  const double white = std::exp2(sensor.bits) - 1;
-  const double scale = sensor.gain * white;
+void quantise(const float* light, Pixel* to, int count, double gain, int bits) {
+  const double white = std::exp2(bits) - 1;
+  const double scale = gain * white;
   for (int u = 0; u < count; ++u) {
     double level = light[u] * scale;
     level = level > 0 ? level : 0;
     level = level < white ? level : white;
     to[u] = static_cast<Pixel>(static_cast<int>(level + 0.5));
+  }
+}
+
+// Linear light as IEC 61966-2-1 encodes it, gain applied.
+void encode_srgb(const float* light, float* to, int count, double gain) {
+  for (int u = 0; u < count; ++u) {
+    const double x = std::clamp(gain * light[u], 0.0, 1.0);
+    to[u] = static_cast<float>(x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
   }
 }
 
@@ -57,7 +66,11 @@ cv::Mat read_out(const cv::Mat& light, const Sensor& sensor, int type, RandomStr
       add_noise(row.data(), normals.data(), light.cols, sensor);
       from = row.data();
     }
-    quantise(from, out.ptr<Pixel>(v), light.cols, sensor);
+    if (sensor.is_srgb) {
+      encode_srgb(from, row.data(), light.cols, sensor.gain);
+      from = row.data();
+    }
+    quantise(from, out.ptr<Pixel>(v), light.cols, sensor.is_srgb ? 1 : sensor.gain, sensor.bits);
   }
   return out;
 }

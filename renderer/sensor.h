@@ -10,10 +10,11 @@
 namespace sightline {
 
 /// What the sensor makes of the light on the focal plane (CV_32F, 1 is white): Gaussian point
-/// spread, photon noise (Gaussian of the Poisson's variance), read noise, gain, rounding to
-/// 2^bits - 1 steps, clipping, dead and hot pixels. CV_8U up to 8 bits, else CV_16U. Noise is drawn
-/// row by row from the stream; which pixels are dead or hot depends on `defect_seed` and the
-/// image's size alone, and a larger dead_fraction adds to the dead of a smaller one.
+/// spread, photon noise (Gaussian of the Poisson's variance), read noise, gain, sRGB encoding where
+/// asked for, rounding to 2^bits - 1 steps, clipping, dead and hot pixels. CV_8U up to 8 bits, else
+/// CV_16U. Noise is drawn row by row from the stream; which pixels are dead or hot depends on
+/// `defect_seed` and the image's size alone, and a larger dead_fraction adds to the dead of a
+/// smaller one.
 cv::Mat expose(const cv::Mat& linear, const Sensor& sensor, RandomStream noise);
 
 }  // namespace sightline

@@ -79,6 +79,7 @@ struct Sensor {
   double read_noise_grey = 3;      ///< standard deviation in grey levels of 255, whatever the depth
   double full_well_electrons = 0;  ///< photon noise: electrons at white; 0 is none
   int bits = 8;                    ///< 1 to 16; white is the largest number
+  bool is_srgb = false;            ///< numbers encoded as sRGB says; moves edges by some 0.1 px
   double dead_fraction = 0;        ///< of the pixels are black
   double hot_fraction = 0;         ///< of the pixels are white
   uint64_t defect_seed = 0;        ///< which pixels those are: the same in all of a sensor's frames

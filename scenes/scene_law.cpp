@@ -80,6 +80,8 @@ void read_image(const TomlTable& image, SceneLaw& law) {
   law.psf_sigma_px = drawn(image, "psf_sigma_px", {0, 50}, 0.7);
   law.gain = drawn(image, "gain", {0.001, 1000}, 1);
   law.bits = static_cast<int>(image.integer("bits", {1, 16}, 8));
+  const std::vector<std::string> encodings = {"linear", "srgb"};
+  law.is_srgb = image.choice("encoding", encodings, encodings[0]) == encodings[1];
 }
 
 void read_noise(const TomlTable& noise, SceneLaw& law) {
@@ -309,6 +311,7 @@ Sensor draw_sensor(const SceneLaw& law, uint64_t seed, const Draws& draws) {
   sensor.psf_sigma_px = draws(law.psf_sigma_px, "image.psf_sigma_px");
   sensor.gain = draws(law.gain, "image.gain");
   sensor.bits = law.bits;
+  sensor.is_srgb = law.is_srgb;
   sensor.read_noise_grey = scale * draws(law.read_noise_grey, "noise.read_noise_grey");
   const double electrons = draws(law.full_well_electrons, "noise.full_well_electrons");
   sensor.full_well_electrons = scale > 0 ? electrons / (scale * scale) : 0;

@@ -77,6 +77,7 @@ struct SceneLaw {
   Range psf_sigma_px, gain, read_noise_grey, full_well_electrons, dead_fraction, hot_fraction;
   double noise_scale = 1;  ///< multiplies the applied noise
   int bits = 8;
+  bool is_srgb = false;
   int samples_per_pixel = 16;
 };
 

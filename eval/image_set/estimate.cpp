@@ -13,6 +13,7 @@
 
 #include "eval/image_set/set_format.h"
 #include "eval/image_set/truth.h"
+#include "renderer/gl_context.h"
 
 namespace sightline {
 namespace {
@@ -100,7 +101,7 @@ std::string warnings_of(const SetPlan& plan) {
 }
 
 std::string estimate_set(const SetPlan& plan, int jobs, const fs::path& out) {
-  Renderer renderer;
+  Renderer renderer({.gl = gl_choice(plan.gl).value()});
   Cost cost;
   Cost warm_up;
   const int64_t samples = std::min<int64_t>(kSamples, plan.count);

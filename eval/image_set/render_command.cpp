@@ -16,6 +16,7 @@
 #include "eval/interrupt.h"
 #include "eval/progress.h"
 #include "eval/shard.h"
+#include "renderer/gl_context.h"
 
 namespace sightline {
 namespace {
@@ -131,6 +132,10 @@ void add_render(CLI::App& app, int& exit_code) {
   sub->add_option("--set", request.overrides.set,
                   "key=value over the scene's file, for example image.bits=12; may be repeated")
       ->allow_extra_args(false);
+  const auto names = gl_choice_names();
+  sub->add_option("--gl", request.gl, "Draw with OpenGL, to compare: auto, osmesa or egl")
+      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
+      ->capture_default_str();
   sub->add_flag("--dry-run", arguments->is_dry_run,
                 "Make a few images in memory and say what the set will take");
   sub->add_flag("--quiet", arguments->is_quiet, "No progress and no summary");

@@ -16,6 +16,7 @@
 #include "eval/interrupt.h"
 #include "eval/output_folder.h"
 #include "eval/shares.h"
+#include "renderer/gl_context.h"
 #include "scenes/input_error.h"
 
 namespace sightline {
@@ -138,7 +139,7 @@ class SetWriter {
 void render_share(const SetPlan& plan, const fs::path& folder, const Shard& shard,
                   const Tick& tick) {
   SetWriter writer(plan, folder);
-  Renderer renderer;
+  Renderer renderer({.gl = gl_choice(plan.gl).value()});
   for (int64_t index = shard.index; index < plan.count; index += shard.count) {
     if (is_done(plan, folder, index)) continue;
     stop_if_interrupted();

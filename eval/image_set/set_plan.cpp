@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "eval/image_set/set_format.h"
+#include "renderer/gl_context.h"
 #include "scenes/assets.h"
 #include "scenes/input_error.h"
 
@@ -68,6 +69,7 @@ Json manifest_json(const SetPlan& plan) {
           {"images_a_scene", plan.chunk},
           {"format", plan.format->name},
           {"truth", plan.has_full_truth ? "full" : "minimal"},
+          {"gl", plan.gl},
           {"depth_scale", plan.depth_scale},
           {"objects", objects}};
 }
@@ -156,6 +158,7 @@ SetPlan plan_set(const SetRequest& request) {
   plan.count = request.count;
   plan.chunk = request.chunk;
   plan.has_full_truth = request.has_full_truth;
+  plan.gl = request.gl;
   plan.depth_scale = request.depth_scale.value_or(finest_depth_scale(farthest_m(plan.study)));
   plan.objects = objects_of(plan.study);
   return plan;
@@ -176,9 +179,11 @@ SetPlan read_plan(const fs::path& folder) {
     plan.count = json.at("count").get<int64_t>();
     plan.chunk = json.at("images_a_scene").get<int>();
     plan.has_full_truth = json.at("truth") == "full";
+    plan.gl = json.at("gl").get<std::string>();
     plan.depth_scale = json.at("depth_scale").get<double>();
     plan.objects = objects_of(plan.study);
-    const bool is_sound = plan.count > 0 && plan.chunk > 0 && plan.depth_scale > 0;
+    const bool is_sound =
+        plan.count > 0 && plan.chunk > 0 && plan.depth_scale > 0 && gl_choice(plan.gl).has_value();
     if (!is_sound || manifest_of(plan) != text) {
       throw InputError(fmt::format("{}: does not fit scene.toml and this version ({})",
                                    file.string(), SIGHTLINE_VERSION));

@@ -393,7 +393,9 @@ Json handmade_json() {
 
 TEST(SummaryJson, HasTheKeysOfTheContract) {
   const Json json = handmade_json();
-  EXPECT_THAT(keys_of(json), ElementsAre("study", "seed", "cells", "observations", "features"));
+  EXPECT_THAT(keys_of(json),
+              ElementsAre("study", "seed", "cells", "observations", "features", "extraction"));
+  ASSERT_EQ(json["extraction"].size(), json["observations"].size());
   ASSERT_EQ(json["cells"].size(), 6);
   for (const Json& cell : json["cells"]) {
     EXPECT_THAT(keys_of(cell),

@@ -134,5 +134,24 @@ TEST(Sensor, NoNoiseMeansNoNoise) {
   EXPECT_EQ(cv::countNonZero(image != static_cast<int>(std::round(0.3f * 255))), 0);
 }
 
+// Values of IEC 61966-2-1: linear 0.5 is 187.5 of 255, 0.002 lies on the straight piece.
+TEST(Sensor, EncodesSrgbWhereAskedFor) {
+  cv::Mat light(1, 4, CV_32F);
+  light.at<float>(0, 0) = 0.5F;
+  light.at<float>(0, 1) = 0.002F;
+  light.at<float>(0, 2) = 1.5F;
+  light.at<float>(0, 3) = 0.25F;
+  Sensor sensor{.psf_sigma_px = 0, .read_noise_grey = 0};
+  sensor.is_srgb = true;
+  const cv::Mat encoded = expose(light, sensor, RandomStream(1, "sensor", 0));
+  EXPECT_EQ(encoded.at<uint8_t>(0, 0), 188);
+  EXPECT_EQ(encoded.at<uint8_t>(0, 1), 7);  // 255 x 12.92 x 0.002 = 6.6
+  EXPECT_EQ(encoded.at<uint8_t>(0, 2), 255);
+  sensor.gain = 2;  // before the encoding
+  EXPECT_EQ(expose(light, sensor, RandomStream(1, "sensor", 0)).at<uint8_t>(0, 3), 188);
+  sensor.is_srgb = false;
+  EXPECT_EQ(expose(light, sensor, RandomStream(1, "sensor", 0)).at<uint8_t>(0, 3), 128);
+}
+
 }  // namespace
 }  // namespace sightline
