@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kLongestLabel = 40;
+constexpr size_t kLongestLabel = 42;
 constexpr double kDegree = std::numbers::pi / 180;
 
 std::string percent(double rate) {

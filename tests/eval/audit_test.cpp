@@ -376,7 +376,6 @@ TEST_F(ImageAudit, HalfAPixelIsABias) {
   constexpr double kTolerancePx = 0.2;
   EXPECT_NEAR(after.bias_u_px.value - before.bias_u_px.value, 0.5, kTolerancePx);
   EXPECT_NEAR(after.bias_v_px.value - before.bias_v_px.value, 0.5, kTolerancePx);
-  EXPECT_GT(after.rms_px.value, before.rms_px.value);
 }
 
 TEST_F(ImageAudit, ABlankFrameIsOneOfFailures) {
@@ -384,10 +383,11 @@ TEST_F(ImageAudit, ABlankFrameIsOneOfFailures) {
   EXPECT_GT(localisation_of(seen).found_rate.value, 0.7);
   EXPECT_EQ(summarise(study_, seen).cells[0].failures, 0);
 
-  const std::vector<TrialRecord> blank = records_with([this](const Trial& trial) {
-    Scene empty = trial.scene;
-    empty.cam_from_target.translation.x() += 1e4;
-    return renderer_.render(empty, RandomStream(1, "sensor", trial.record.trial)).image;
+  // A corner of the image, which holds background and noise alone, everywhere.
+  const std::vector<TrialRecord> blank = records_with([](const Trial& trial) {
+    const cv::Rect corner(0, 0, 64, 64);
+    EXPECT_EQ(cv::countNonZero(trial.frame.body_ids(corner)), 0);
+    return cv::repeat(trial.frame.image(corner), 8, 8);
   });
   const Localisation none = localisation_of(blank);
   EXPECT_GT(none.visible, 0);
@@ -395,7 +395,7 @@ TEST_F(ImageAudit, ABlankFrameIsOneOfFailures) {
   EXPECT_EQ(none.labels.at("missing"), none.visible);
   for (const TrialRecord& trial : blank) {
     for (const ObservationRecord& o : trial.observations) EXPECT_FALSE(o.status.empty());
-    EXPECT_EQ(trial.estimates[0].status, "too few points");
+    EXPECT_EQ(trial.estimates[0].status, "too_few_points");
   }
   const Summary summary = summarise(study_, blank);
   EXPECT_EQ(summary.cells[0].failures, 5);

