@@ -170,7 +170,8 @@ void add_pair(const TrialRecord& base, const TrialRecord& now, const std::string
 struct Pairs {
   std::map<CellKey, PairedCell> cells;
   int64_t count = 0;
-  std::string why_not;  // in words, where there are none
+  int64_t left_out = 0;  // of the base's up to the new run's last: a whole run has them all
+  std::string why_not;   // in words, where there are none
 };
 
 std::string condition_of(const Run& run, const TrialRecord& trial) {
@@ -196,10 +197,13 @@ Pairs pair_trials(const Run& base, const Run& now) {
   for (const TrialRecord& trial : of_base) {
     while (match != of_now.end() && match->trial < trial.trial) ++match;
     if (match == of_now.end()) break;
-    if (match->trial != trial.trial) continue;
+    if (match->trial != trial.trial) {
+      ++pairs.left_out;
+      continue;
+    }
     const std::string condition = condition_of(base, trial);
     if (condition != condition_of(now, *match) || !has_same_truth(trial, *match)) {
-      return {{}, 0, fmt::format("trial {} is another draw in each", trial.trial)};
+      return {{}, 0, 0, fmt::format("trial {} is another draw in each", trial.trial)};
     }
     add_pair(trial, *match, condition, pairs.cells);
     ++pairs.count;
@@ -384,9 +388,13 @@ Comparison compare_runs(const fs::path& base_path, const fs::path& now_path, dou
                                  now.summary.at("study").get<std::string>()));
   }
   const Pairs pairs = pair_trials(base, now);
+  const std::string left_out =
+      pairs.left_out == 0
+          ? ""
+          : fmt::format("; {} of the base's are left out of the new run's", pairs.left_out);
   comparison.how =
       pairs.why_not.empty()
-          ? fmt::format("paired: {} trials that are the same in both", pairs.count)
+          ? fmt::format("paired: {} trials that are the same in both{}", pairs.count, left_out)
           : fmt::format("not paired, but by the intervals of the means, as {}", pairs.why_not);
   try {
     for (const Json& cell : base.summary.at("cells")) {

@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr size_t kLongestLabel = 40;
+constexpr size_t kLongestLabel = 42;
 constexpr double kDegree = std::numbers::pi / 180;
 
 std::string percent(double rate) {
@@ -77,7 +77,7 @@ TextColumn label_column(const std::string& label, const std::vector<Localisation
 }
 
 TextGroup outlier_group(const std::vector<Localisation>& rows) {
-  TextColumn sizes{"px: 10, 50, 90 %", {}}, sides{"side / °", {}}, length{"unity", {}};
+  TextColumn sizes{"px: 10, 50, 90 %", {}}, sides{"side / °", {}}, length{"one-sided", {}};
   for (const Localisation& row : rows) {
     const auto& [u, v] = row.outlier_side;
     const bool is_none = std::isnan(row.outlier_px[1]);
@@ -182,8 +182,7 @@ std::string impact_block(const Study& study, const Summary& summary) {
     groups.push_back(std::move(group));
   }
   return text_block(
-      "Where the error comes from: mean geodesic error / ° with exact projections, with noise "
-      "alone, with the inliers, with all that was extracted",
+      "Mean geodesic error / ° of exact projections, of noise alone, of the inliers, of all found",
       labels, groups);
 }
 

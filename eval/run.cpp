@@ -365,6 +365,20 @@ RunResult run_into(OutputFolder& folder, Store& store, const Study& study,
   return result;
 }
 
+// Shards may be there and yet lack trials, which would be missing from every mean.
+void require_every_trial(const Study& study, const Store& store, int64_t shards,
+                         const std::map<int64_t, fs::path>& folder_of) {
+  const std::vector<bool> held = store.held(study.trial_count());
+  const auto gap = std::find(held.begin(), held.end(), false);
+  if (gap == held.end()) return;
+  const int64_t trial = gap - held.begin();
+  const auto missing = std::count(held.begin(), held.end(), false);
+  throw InputError(fmt::format("{}: lacks trial {}{}; must hold every trial of shard {} of {}",
+                               folder_of.at(trial % shards).string(), trial,
+                               missing > 1 ? fmt::format(" ({} are missing in all)", missing) : "",
+                               trial % shards, shards));
+}
+
 }  // namespace
 
 RunResult run_study(const Study& study, const RunOptions& options) {
@@ -436,6 +450,7 @@ RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
     stop_if_interrupted();
     store.add_all_of(shard / kStoreFile);
   }
+  require_every_trial(study, store, count, folder_of);
   Json manifest = manifest_of(study, command);
   manifest["shard"] = fmt::format("merged from {}", count);
   const RunResult result = write_results(study, store, manifest, folder);

@@ -240,19 +240,51 @@ std::vector<std::vector<SweptValue>> read_sweeps(const TomlTable& table) {
   return cells;
 }
 
+bool is_text(const std::string& literal) {
+  return literal.front() == '\'' || literal.front() == '"';
+}
+
+// The keys that a study sweeps.
+struct SweptKeys {
+  std::set<std::string> all;
+  std::set<std::string> of_words;
+};
+
+// What stands for a swept value in a condition's label: its key and the value, or a word alone
+// where words are of one key. Where several are swept at once the key lacks its table, unless
+// another ends alike.
+std::string label_of(const SweptValue& swept, const std::string& shown, bool is_alone,
+                     const SweptKeys& keys) {
+  if (is_text(swept.literal) && keys.of_words.size() == 1) return shown;
+  const auto last_part = [](const std::string& key) { return key.substr(key.rfind('.') + 1); };
+  const std::string last = last_part(swept.key);
+  const bool is_unique = std::none_of(keys.all.begin(), keys.all.end(), [&](const auto& key) {
+    return key != swept.key && last_part(key) == last;
+  });
+  return fmt::format("{} {}", !is_alone && is_unique ? last : swept.key, shown);
+}
+
 // Notes a swept value in a cell's condition.
-void add_value(Condition& condition, const SweptValue& swept) {
+void add_value(Condition& condition, const SweptValue& swept, bool is_alone,
+               const SweptKeys& keys) {
   const TomlTable value = TomlTable::read_text("value = " + swept.literal, swept.key);
   const bool is_number = swept.literal.find_first_not_of("+-.0123456789e_") == std::string::npos;
-  const bool is_text = swept.literal.front() == '\'' || swept.literal.front() == '"';
   std::string shown = swept.literal;
+  std::erase(shown, ' ');  // of a list
   if (is_number) {
     condition.values[swept.key] = value.number("value");
   } else {
-    if (is_text) shown = value.text("value");
+    if (is_text(swept.literal)) shown = value.text("value");
     condition.words[swept.key] = shown;
   }
-  condition.label += fmt::format("{}{} {}", condition.label.empty() ? "" : ", ", swept.key, shown);
+  const std::string label = label_of(swept, shown, is_alone, keys);
+  if (condition.label.empty()) {
+    condition.label = label;
+  } else if (is_text(swept.literal)) {  // words lead
+    condition.label = fmt::format("{}, {}", label, condition.label);
+  } else {
+    condition.label += ", " + label;
+  }
 }
 
 // The cells of one set-up: one for every given pose, or one for all drawn ones.
@@ -286,12 +318,20 @@ void reject_unknown_scene_keys(const TomlTable& table) {
 
 // A set-up for every cell of the sweeps.
 void read_setups(const TomlTable& table, Study& study) {
-  for (const std::vector<SweptValue>& cell : read_sweeps(table)) {
+  const std::vector<std::vector<SweptValue>> cells = read_sweeps(table);
+  SweptKeys keys;
+  for (const auto& cell : cells) {
+    for (const SweptValue& swept : cell) {
+      keys.all.insert(swept.key);
+      if (is_text(swept.literal)) keys.of_words.insert(swept.key);
+    }
+  }
+  for (const std::vector<SweptValue>& cell : cells) {
     Condition condition;
     std::vector<std::string> settings;
     for (const SweptValue& swept : cell) {
       settings.push_back(fmt::format("{}={}", swept.key, swept.literal));
-      add_value(condition, swept);
+      add_value(condition, swept, cell.size() == 1, keys);
     }
     if (cell.empty()) {
       study.setups.push_back(read_setup(table, study));

@@ -3,12 +3,14 @@
 #include "eval/summary.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
 #include <optional>
 #include <string_view>
+#include <unordered_set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -122,9 +124,58 @@ struct FeatureAccumulator {
   ErrorStatistics error_px{kInfinity};
 };
 
+// A number that trials share if they are the same draw, and almost surely only then.
+class Fingerprint {
+ public:
+  explicit Fingerprint(const TrialRecord& trial) {
+    add(trial.true_cam_from_target);
+    add(trial.prior_cam_from_target);
+    for (const ObservationRecord& o : trial.observations) {
+      add(o.is_found());
+      add(o.pixel.x());
+      add(o.pixel.y());
+    }
+    for (const OrientationRecord& o : trial.orientations) add(o.geodesic_deg);
+  }
+  uint64_t value() const { return value_; }
+
+ private:
+  void add(double number) {
+    // FNV-1a over words, with a shift as the high bits of doubles hold most.
+    value_ = (value_ ^ std::bit_cast<uint64_t>(number)) * 0x100000001b3;
+    value_ ^= value_ >> 32;
+  }
+  void add(const Pose& pose) {
+    for (const double element : pose.rotation.reshaped()) add(element);
+    for (const double element : pose.translation) add(element);
+  }
+
+  uint64_t value_ = 0xcbf29ce484222325;
+};
+
+// Counts the trials that were there before, in memory that does not grow for ever.
+class Repeats {
+ public:
+  void add(const TrialRecord& trial) {
+    if (trial.observations.empty() && trial.orientations.empty()) return;  // nothing was drawn
+    const uint64_t fingerprint = Fingerprint(trial).value();
+    if (seen_.contains(fingerprint)) {
+      ++count_;
+    } else if (seen_.size() < ErrorStatistics::kMostValuesKept) {
+      seen_.insert(fingerprint);
+    }
+  }
+  int count() const { return count_; }
+
+ private:
+  std::unordered_set<uint64_t> seen_;
+  int count_ = 0;
+};
+
 // A condition: what its images gave, and its solvers.
 struct ConditionAccumulator {
   int trials = 0;
+  Repeats repeats;
   int64_t found = 0;
   int64_t outliers = 0;
   MeanSquare inlier_error_px;
@@ -167,6 +218,7 @@ class Summariser {
   void observe(const TrialRecord& trial) {
     ConditionAccumulator& condition = conditions_.at(static_cast<size_t>(trial.condition));
     ++condition.trials;
+    condition.repeats.add(trial);
     for (size_t i = 0; i < trial.observations.size(); ++i) {
       const ObservationRecord& o = trial.observations[i];
       FeatureAccumulator& feature = feature_of(condition, o.feature, i, trial.condition);
@@ -328,6 +380,7 @@ class Summariser {
     CellObservations cell;
     cell.condition = index;
     cell.trials = condition.trials;
+    cell.repeated = condition.repeats.count();
     if (study_.kind == StudyKind::kOrientation) return cell;
     cell.inlier_rms_px = condition.inlier_error_px.root();
     if (cell.trials > 0) {
@@ -414,6 +467,7 @@ Json cell_json(const Study& study, const CellSummary& cell) {
 Json observations_json(const Study& study, const CellObservations& cell) {
   return {{"condition", condition_json(study, cell.condition)},
           {"trials", cell.trials},
+          {"trials_repeated", cell.repeated},
           {"found_per_trial", cell.found},
           {"outliers_per_trial", cell.outliers},
           {"inlier_rms_px", cell.inlier_rms_px},

@@ -68,6 +68,9 @@ struct CellSummary {
 struct CellObservations {
   int condition = 0;
   int trials = 0;
+  /// Of them, those that are an earlier one of the cell again: the same poses, errors and pixels to
+  /// the last bit. They tell nothing new, but make intervals narrow, as where a seed is ignored.
+  int repeated = 0;
   double found = ErrorSummary::kNone;     ///< features a trial
   double outliers = ErrorSummary::kNone;  ///< a trial
   /// Error of the found inliers, RMS of one coordinate: sqrt(mean(error_px^2) / 2). NaN without

@@ -20,7 +20,7 @@
 namespace sightline {
 namespace {
 
-constexpr size_t kLongestLabel = 30;
+constexpr size_t kLongestLabel = 42;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 using Texts = std::vector<std::string>;
@@ -245,8 +245,10 @@ std::string head(const Study& study, const Summary& summary) {
       std::count_if(summary.observations.begin(), summary.observations.end(), has_trials);
   const std::string conditions =
       run == all ? fmt::format("{}", all) : fmt::format("{} of {}", run, all);
-  return text + wrapped(fmt::format("{} trials in {} condition{}, seed {}", trials, conditions,
-                                    all == 1 ? "" : "s", study.seed));
+  const std::string of_all =
+      trials == study.trial_count() ? "" : fmt::format(" of {}", study.trial_count());
+  return text + wrapped(fmt::format("{}{} trials in {} condition{}, seed {}", trials, of_all,
+                                    conditions, all == 1 ? "" : "s", study.seed));
 }
 
 // What a study adds that varies nuisances or takes errors apart.
@@ -273,11 +275,27 @@ std::string failure_lines(const Study& study, const Summary& summary) {
   return lines.empty() ? "" : "\n" + lines;
 }
 
+std::string repeat_lines(const Summary& summary) {
+  int repeated = 0;
+  int trials = 0;
+  for (const CellObservations& cell : summary.observations) {
+    repeated += cell.repeated;
+    trials += cell.trials;
+  }
+  if (repeated == 0) return "";
+  const std::string warning = fmt::format(
+      "warning: {} of {} trials are an earlier one again, to the last bit: they make the intervals "
+      "narrow and tell nothing (is a seed ignored?)",
+      repeated, trials);
+  return fmt::format("\n{}", wrapped(warning));
+}
+
 }  // namespace
 
 std::string to_table(const Study& study, const Summary& summary) {
   if (study.kind != StudyKind::kImages) {
-    return head(study, summary) + sweep_blocks(study, summary) + failure_lines(study, summary);
+    return head(study, summary) + sweep_blocks(study, summary) + failure_lines(study, summary) +
+           repeat_lines(summary);
   }
   const std::string statistic = "mean of the trials and its 95 % interval";
   const ErrorKind theta{"theta_error / °, " + statistic, &CellSummary::theta_error_deg,
@@ -287,7 +305,7 @@ std::string to_table(const Study& study, const Summary& summary) {
   return head(study, summary) + pose_block(study) + error_block(study, summary, theta) +
          error_block(study, summary, t) + solver_block(study, summary) +
          extraction_block(study, summary) + sweep_of_nuisances(study, summary) +
-         failure_lines(study, summary);
+         failure_lines(study, summary) + repeat_lines(summary);
 }
 
 std::string plan_table(const Study& study, const Summary& summary, double target) {

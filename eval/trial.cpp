@@ -73,17 +73,22 @@ Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
   }
   trial.frame = renderer.render(trial.scene, RandomStream(study.seed, "sensor", draw));
 
-  const Camera& camera = trial.scene.camera;
   RandomStream prior_stream(study.seed, "prior", draw);
   record.prior_cam_from_target =
-      draw_prior(record.true_cam_from_target, camera, setup.prior, prior_stream);
-  Extraction extraction = extract_in_passes(study, setup, trial.scene, trial.frame.image,
-                                            record.prior_cam_from_target, renderer);
+      draw_prior(record.true_cam_from_target, trial.scene.camera, setup.prior, prior_stream);
+  extract_and_solve(study, trial, renderer);
+  return trial;
+}
+
+void extract_and_solve(const Study& study, Trial& trial, Renderer& renderer) {
+  TrialRecord& record = trial.record;
+  Extraction extraction =
+      extract_in_passes(study, study.setup_of(record.condition), trial.scene, trial.frame.image,
+                        record.prior_cam_from_target, renderer);
   trial.observations = std::move(extraction.observations);
   record.observations = compare_with_truth(study, trial);
   const FoundPoints found = found_points(study, trial, extraction.cam_from_target);
   record.estimates = estimates_of(study, found, record);
-  return trial;
 }
 
 }  // namespace sightline

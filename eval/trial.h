@@ -24,4 +24,8 @@ struct Trial {
 /// index: the same in any shard, order or process.
 Trial run_trial(const Study& study, int64_t index, Renderer& renderer);
 
+/// The second half of run_trial: what is extracted from the trial's frame around its prior, how
+/// that stands against the truth, and what the solvers make of it.
+void extract_and_solve(const Study& study, Trial& trial, Renderer& renderer);
+
 }  // namespace sightline

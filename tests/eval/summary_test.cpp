@@ -415,9 +415,10 @@ TEST(SummaryJson, HasTheKeysOfTheContract) {
     EXPECT_TRUE(cell["capped"].is_number_integer());
   }
   for (const Json& cell : json["observations"]) {
-    EXPECT_THAT(keys_of(cell), ElementsAre("condition", "trials", "found_per_trial",
-                                           "outliers_per_trial", "inlier_rms_px", "bound_theta_deg",
-                                           "bound_t_percent", "bound_geodesic_deg"));
+    EXPECT_THAT(keys_of(cell),
+                ElementsAre("condition", "trials", "trials_repeated", "found_per_trial",
+                            "outliers_per_trial", "inlier_rms_px", "bound_theta_deg",
+                            "bound_t_percent", "bound_geodesic_deg"));
   }
   ASSERT_EQ(json["features"].size(), 3);
   for (const Json& feature : json["features"]) {

@@ -81,6 +81,24 @@ TEST_F(TargetFile, EdgesThatDoNotMeetAreRefusedByName) {
   EXPECT_THAT(error_of(std::string(kHead) + apart), HasSubstr("\"v\": edge 1"));
 }
 
+TEST_F(TargetFile, PartsOfAFeatureMustBeGivenAndKnown) {
+  const std::string part = build_cube().mesh.parts.front().name;
+  const auto feature = [](const std::string& kind, const std::string& parts) {
+    return std::string(kHead) + "[[feature]]\nname = 'tip'\nkind = '" + kind +
+           "'\nposition_m = [0.5, 0.5, 0.5]\n" + parts;
+  };
+  EXPECT_THAT(
+      error_of(feature("contour", "")),
+      testing::AllOf(HasSubstr("feature[0].parts"), HasSubstr("\"tip\" must name the parts")));
+  EXPECT_THAT(error_of(feature("contour", "parts = []\n")), HasSubstr("must name the parts"));
+  EXPECT_EQ(error_of(feature("contour", "parts = ['" + part + "']\n")), "");
+  EXPECT_EQ(error_of(feature("corner", "")), "");
+  const std::string misspelt = error_of(feature("contour", "parts = ['" + part + "x']\n"));
+  EXPECT_THAT(misspelt, testing::AllOf(HasSubstr("of \"tip\" holds \"" + part + "x\""),
+                                       HasSubstr("did you mean '" + part + "'")));
+  EXPECT_THAT(misspelt, testing::Not(HasSubstr("\n")));
+}
+
 TEST_F(TargetFile, AMeshFileIsATargetWithoutFeatures) {
   const auto target = load_target((folder_.path() / "cube.glb").string());
   EXPECT_EQ(target->name, "cube");
