@@ -216,11 +216,13 @@ TEST_F(Resume, TwoRunsIntoOneFolderAreRefused) {
 
 TEST_F(Resume, AnInterruptKeepsFinishedTrialsOfARunThatMayBeResumed) {
   const auto interrupted = [&](const std::string& name, const std::string& how) {
-    // Wait for a first batch in a worker's store, which is far larger than an empty one.
+    // Wait for a first batch in a worker's store: it is far larger than an empty one then, and has
+    // no journal between transactions.
     const std::string staging = staging_folder(out(name)).string();
     return run_shell(program() + " " + kStudy + "--trials 100000 --jobs 2 " + to(name) + how +
-                     " & pid=$!; while [ -z \"$(find " + staging +
-                     " -name 'job-*.sqlite' -size +100k 2>/dev/null)\" ]; do sleep 0.05; done; "
+                     " & pid=$!; until f=$(find " + staging +
+                     " -name 'job-*.sqlite' -size +100k 2>/dev/null | head -1); [ -n \"$f\" ] && "
+                     "[ ! -e $f-journal ]; do sleep 0.01; done; "
                      "kill -INT $pid; wait $pid; echo exit $?");
   };
   const Outcome kept = interrupted("kept", " --resume");

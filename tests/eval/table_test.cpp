@@ -31,6 +31,7 @@ Study four_poses() {
   study.conditions[1].pose = 1;
   study.poses.theta_deg = {{-20, 30, 40}, {-30, 50, 20}};
   study.poses.t_m = {{-5, 5, 1300}, {-8, 3, 1500}};
+  study.target = load_target("boeing707");
   study.features = {0, 1, 2, 3, 4};
   for (const char* name : {"orpe", "lspe", "oracle"}) {
     study.solvers.push_back(find_pose_solver(name));
@@ -64,7 +65,8 @@ Summary summary_of(const Study& study) {
       cell.exact_set_rate = 0.75;
       summary.cells.push_back(cell);
     }
-    summary.observations.push_back({condition, 100, 4.5, 0.75, 0.625, 0.375, 0.0625, 0.5});
+    summary.observations.push_back(
+        {condition, 100, /*repeated=*/0, 4.5, 0.75, 0.625, 0.375, 0.0625, 0.5});
     for (const char* feature : {"p1", "p2", "p3", "p4", "p5"}) {
       FeatureSummary of_feature;
       of_feature.condition = condition;
@@ -264,7 +266,7 @@ TEST(Table, LeavesConditionsWithoutTrialsOutOfTheMeans) {
   std::erase_if(summary.features, [](const FeatureSummary& f) { return f.condition == 0; });
   const std::string table = to_table(study, summary);
   expect_tidy(table);
-  EXPECT_THAT(table, HasSubstr("100 trials in 1 of 2 conditions, seed 1\n"));
+  EXPECT_THAT(table, HasSubstr("100 of 200 trials in 1 of 2 conditions, seed 1\n"));
   EXPECT_THAT(table, HasSubstr(R"(
 pose 1  1.68 2.07     -            -     -            -     -            -     -
 pose 2  2.08 2.22  2.50 [2.25, 2.75]  2.50 [2.25, 2.75]  2.50 [2.25, 2.75]  0.38
