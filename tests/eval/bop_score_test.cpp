@@ -192,7 +192,10 @@ BopDataset cubes(int images, int instances = 1) {
   model.symmetries = kNoSymmetry;
   BopDataset dataset{.models = {{1, model}}, .images = {}};
   for (int i = 0; i < images; ++i) {
-    BopImage image{.scene_id = 0, .im_id = i, .width_px = 640, .k = k_of(500, 320)};
+    BopImage image;
+    image.im_id = i;
+    image.width_px = 640;
+    image.k = k_of(500, 320);
     for (int k = 0; k < instances; ++k) {
       image.instances.push_back(
           {.obj_id = 1, .cam_from_model = shifted(at_1000_mm(), {300.0 * k, 0, 0})});
