@@ -30,7 +30,7 @@ Mesh read_ply_as_it_is(const std::filesystem::path& file) {
   std::vector<std::vector<size_t>> faces;
   bool is_read = false;
   try {
-    is_read = CGAL::IO::read_PLY(stream, points, faces);
+    is_read = CGAL::IO::read_PLY(stream, points, faces, CGAL::parameters::verbose(false));
   } catch (const std::exception&) {  // it is no promise of the reader that there is none
     is_read = false;
   }

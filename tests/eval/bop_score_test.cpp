@@ -357,6 +357,9 @@ TEST_F(ScoreProgram, SaysInALineWhatIsWrong) {
   expect_error(score("mm.csv", "--out " + path("set")), "set");
   fs::remove(path("set/models_eval/obj_000001.ply"));
   expect_error(score("mm.csv", out), "obj_000001.ply: is missing");
+  folder_.write("set/models_eval/obj_000001.ply", "solid cube\n");
+  expect_error(score("mm.csv", out), "obj_000001.ply: cannot be read as a PLY mesh");
+  fs::remove(path("set/models_eval/obj_000001.ply"));
   folder_.write("set/test/000000/scene_gt.json", "{\"0\": [{\"obj_id\": 1}]}");
   fs::copy_file(path("set/models/obj_000001.ply"), path("set/models_eval/obj_000001.ply"));
   expect_error(score("mm.csv", out), "scene_gt.json: is not as BOP has it");
