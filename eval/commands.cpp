@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "eval/bop/score_command.h"
 #include "eval/catalogue_lists.h"
 #include "eval/compare.h"
 #include "eval/doctor.h"
@@ -258,6 +259,7 @@ void add_doctor(CLI::App& app) {
 void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_study(app, command, exit_code);
   add_render(app, exit_code);
+  add_score(app);
   add_merge(app, command, exit_code);
   add_report(app);
   add_compare(app, exit_code);

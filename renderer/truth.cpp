@@ -3,6 +3,7 @@
 #include "renderer/truth.h"
 
 #include <algorithm>
+#include <limits>
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -229,6 +230,23 @@ cv::Mat part_ids_alone(const Scene& scene) {
         static_cast<uint16_t>(body.mesh->triangles[id - body.first_id].part + 1);
   });
   return part_ids;
+}
+
+cv::Mat depth_alone(const Mesh& mesh, const Camera& camera, const Pose& cam_from_mesh) {
+  cv::Mat depth = cv::Mat::zeros(camera.height_px, camera.width_px, CV_64F);
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
+    nearest = std::min(nearest, (cam_from_mesh * vertex).z());
+  }
+  if (!(nearest > 0) || mesh.triangles.empty()) return depth;
+  const PlacedBody body{.mesh = &mesh, .cam_from_body = cam_from_mesh};
+  const RayHits hits(body);
+  const Screen screen(camera, image_box(camera), nearest);
+  for_each_seen(paint_ids({body}, screen), [&](int x, int y, uint32_t id) {
+    const Eigen::Vector2d ray = screen.normalised({static_cast<double>(x), static_cast<double>(y)});
+    depth.at<double>(y, x) = hits.depth_m(hits.on(static_cast<int>(id - body.first_id), ray));
+  });
+  return depth;
 }
 
 }  // namespace sightline

@@ -26,4 +26,8 @@ void state_truth(const Scene& scene, Frame& frame);
 /// Part ids (CV_16U, index plus one) of the main target as if it were alone.
 cv::Mat part_ids_alone(const Scene& scene);
 
+/// Depth (CV_64F, z, in the mesh's unit) of what each pixel's centre sees of a mesh alone; 0 where
+/// that is nothing, and everywhere when the mesh is not wholly in front of the camera.
+cv::Mat depth_alone(const Mesh& mesh, const Camera& camera, const Pose& cam_from_mesh);
+
 }  // namespace sightline

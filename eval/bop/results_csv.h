@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "pose/pose.h"
+
+namespace sightline {
+
+// Everything of eval/bop is in millimetres, BOP's unit, its poses' translations as well: errors are
+// compared with those of BOP's own toolkit digit by digit.
+
+/// What a method says of one object in one image.
+struct BopEstimate {
+  int scene_id = 0;
+  int im_id = 0;
+  int obj_id = 0;
+  double score = 0;
+  Pose cam_from_model;  ///< mm; its rotation as the file has it, rounded
+  double time_s = -1;   ///< of the whole image; -1: not known
+  int line = 0;         ///< of the file, from 1
+};
+
+/// Reads a results file of the BOP challenge: the header scene_id,im_id,obj_id,score,R,t,time, then
+/// a line an estimate; R is nine numbers row by row and t three, in mm, with spaces between them.
+/// Throws InputError, with file and line, for whatever is not so, and for an R that is not a
+/// rotation within what a few printed digits leave (1e-2).
+std::vector<BopEstimate> read_bop_results(const std::filesystem::path& file);
+
+}  // namespace sightline
