@@ -105,7 +105,6 @@ TEST(Passes, APassThatFindsLessThanHalfIsDropped) {
     const Extraction one = look(1), two = look(2);
     EXPECT_GE(2 * found_in(two), found_in(one)) << i;
     const bool is_dropped = one.cam_from_target.rotation == two.cam_from_target.rotation;
-    if (is_dropped) EXPECT_EQ(found_in(two), found_in(one)) << i;
     ++(is_dropped ? dropped : kept);
   }
   EXPECT_GE(kept, 1);
