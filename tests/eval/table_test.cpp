@@ -64,7 +64,7 @@ Summary summary_of(const Study& study) {
       cell.exact_set_rate = 0.75;
       summary.cells.push_back(cell);
     }
-    summary.observations.push_back({condition, 100, 4.5, 0.75, 0.625, 0.375, 0.0625, 0.5});
+    summary.observations.push_back({condition, 100, 0, 4.5, 0.75, 0.625, 0.375, 0.0625, 0.5});
     for (const char* feature : {"p1", "p2", "p3", "p4", "p5"}) {
       FeatureSummary of_feature;
       of_feature.condition = condition;
