@@ -264,7 +264,7 @@ TEST(Table, LeavesConditionsWithoutTrialsOutOfTheMeans) {
   std::erase_if(summary.features, [](const FeatureSummary& f) { return f.condition == 0; });
   const std::string table = to_table(study, summary);
   expect_tidy(table);
-  EXPECT_THAT(table, HasSubstr("100 trials in 1 of 2 conditions, seed 1\n"));
+  EXPECT_THAT(table, HasSubstr("100 of 200 trials in 1 of 2 conditions, seed 1\n"));
   EXPECT_THAT(table, HasSubstr(R"(
 pose 1  1.68 2.07     -            -     -            -     -            -     -
 pose 2  2.08 2.22  2.50 [2.25, 2.75]  2.50 [2.25, 2.75]  2.50 [2.25, 2.75]  0.38
