@@ -97,7 +97,7 @@ TEST(Study, AnyKeyOfASceneCanBeSwept) {
   EXPECT_EQ(last.values,
             (std::map<std::string, double>{{"background.level", 0.9}, {"prior.attitude_deg", 2}}));
   EXPECT_EQ(last.words.at("light.casts_shadow"), "true");
-  EXPECT_THAT(last.label, HasSubstr("background.level 0.9"));
+  EXPECT_THAT(last.label, HasSubstr("level 0.9, casts_shadow true"));
   EXPECT_EQ(study.setup_of(3).scene.background_level.max, 0.9);
   EXPECT_EQ(study.setup_of(3).prior.attitude_deg, 2);
   EXPECT_EQ(study.setup_of(0).prior.attitude_deg, 1);
