@@ -7,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <opencv2/core.hpp>
 
 #include "eval/commands.h"
@@ -33,10 +34,19 @@ std::string in_one_line(std::string text) {
   return text;
 }
 
+// Frames come and go: memory that was once fetched from the system, page by page, is kept for the
+// next. A fifth of the time of an image set.
+void keep_freed_memory() {
+  constexpr int kMebibyte = 1 << 20;
+  mallopt(M_MMAP_THRESHOLD, 32 * kMebibyte);
+  mallopt(M_TRIM_THRESHOLD, 512 * kMebibyte);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);  // processes are the unit of parallel work
+  keep_freed_memory();
   CLI::App app(
       "Sightline renders meshed targets under known poses, extracts features from the images,\n"
       "estimates the pose from them, and measures every step against the truth.");
