@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "eval/report/text.h"
 #include "eval/store.h"
 #include "eval/summary.h"
 #include "eval/text_table.h"
@@ -488,29 +489,6 @@ std::string changes_text(const CellDifference& cell) {
   return text;
 }
 
-std::string escape_xml(std::string_view text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '>':
-        escaped += "&gt;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      default:
-        escaped += c;
-    }
-  }
-  return escaped;
-}
-
 }  // namespace
 
 std::string to_text(const Comparison& comparison) {
@@ -577,11 +555,11 @@ std::string to_junit(const Comparison& comparison) {
       fmt::format("tests=\"{}\" failures=\"{}\"", comparison.cells.size(), failures);
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
   text += fmt::format("<testsuites {0}>\n<testsuite name=\"{1}\" {0}>\n", totals,
-                      escape_xml(comparison.study));
+                      escape_html(comparison.study));
   for (const CellDifference& cell : comparison.cells) {
-    text += fmt::format("<testcase classname=\"{}.{}\" name=\"{}\"", escape_xml(comparison.study),
-                        escape_xml(cell.condition), escape_xml(cell.solver));
-    const std::string changes = escape_xml(changes_text(cell));
+    text += fmt::format("<testcase classname=\"{}.{}\" name=\"{}\"", escape_html(comparison.study),
+                        escape_html(cell.condition), escape_html(cell.solver));
+    const std::string changes = escape_html(changes_text(cell));
     const bool is_failure = cell.verdict == Verdict::kWorse || cell.verdict == Verdict::kMissing;
     if (is_failure) {
       text += fmt::format("><failure message=\"{}\"/></testcase>\n", changes);

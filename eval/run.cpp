@@ -59,13 +59,19 @@ std::string machine() {
   return fmt::format("{} {}, {}", system.sysname, system.machine, processor);
 }
 
+// Who draws, as --gl says it: pixels depend on it.
+std::string name_of(GlChoice gl) {
+  return std::string(gl_choice_names()[static_cast<size_t>(gl)]);
+}
+
 // What identifies a run: kept in its store, so that merge can tell what belongs together.
-Meta meta_of(const Study& study, const Shard& shard) {
+Meta meta_of(const Study& study, const Shard& shard, const std::string& gl) {
   return {{"version", SIGHTLINE_VERSION},
           {"study", study.name},
           {"study_toml", study.toml},
           {"seed", fmt::format("{}", study.seed)},
           {"trials", fmt::format("{}", study.trial_count())},
+          {"gl", gl},
           {"shard", fmt::format("{}/{}", shard.index, shard.count)}};
 }
 
@@ -154,8 +160,8 @@ int64_t run_jobs(const Study& study, const RunOptions& options, const OutputFold
   run_shares(shard_work, [&](int job, const Shard& share, const Tick& tick) {
     if (shard_work.processes() == 1)
       return run_shard(study, share, options.renderer, done, store, tick);
-    Store job_store =
-        Store::create(folder / fmt::format("{}{}.sqlite", kJobPrefix, job), meta_of(study, share));
+    Store job_store = Store::create(folder / fmt::format("{}{}.sqlite", kJobPrefix, job),
+                                    meta_of(study, share, name_of(options.renderer.gl)));
     run_shard(study, share, options.renderer, done, job_store, tick);
   });
   join_jobs(folder.staging(), store);
@@ -261,7 +267,7 @@ Shard shard_in(const Meta& meta, const fs::path& folder) {
 }
 
 void require_same(const Meta& a, const Meta& b, const fs::path& first, const fs::path& other) {
-  for (const char* key : {"version", "study", "seed", "trials", "study_toml"}) {
+  for (const char* key : {"version", "study", "seed", "trials", "gl", "study_toml"}) {
     const auto in_a = a.find(key);
     const auto in_b = b.find(key);
     if (in_a != a.end() && in_b != b.end() && in_a->second == in_b->second) continue;
@@ -272,7 +278,7 @@ void require_same(const Meta& a, const Meta& b, const fs::path& first, const fs:
 
 // Refuses to continue a run that is not the one which is asked for.
 void require_same_run(const Meta& there, const Meta& asked, const fs::path& file) {
-  for (const char* key : {"version", "study", "seed", "trials", "shard", "study_toml"}) {
+  for (const char* key : {"version", "study", "seed", "trials", "gl", "shard", "study_toml"}) {
     const auto value = there.find(key);
     if (value != there.end() && value->second == asked.at(key)) continue;
     if (std::string_view(key) == "study_toml") {
@@ -338,7 +344,8 @@ std::optional<RunResult> complete_run(const Study& study, const RunOptions& opti
   std::error_code none;  // who may not look will hear so when the folder is to be written
   if (!fs::exists(file, none) || !fs::exists(options.out / kReportFile, none)) return std::nullopt;
   const Store store = Store::open(file);
-  require_same_run(store.meta(), meta_of(study, options.shard), options.out);
+  require_same_run(store.meta(), meta_of(study, options.shard, name_of(options.renderer.gl)),
+                   options.out);
   RunResult result = summarise_store(study, store);
   result.resumed_trials = result.trials;
   return result;
@@ -386,7 +393,8 @@ RunResult run_study(const Study& study, const RunOptions& options) {
     if (const std::optional<RunResult> result = complete_run(study, options)) return *result;
   }
   OutputFolder folder(options.out, OutputFolder::Leftovers::kKeep);
-  Store store = store_for(folder, options, meta_of(study, options.shard));
+  Store store =
+      store_for(folder, options, meta_of(study, options.shard, name_of(options.renderer.gl)));
   try {
     return run_into(folder, store, study, options);
   } catch (const Interrupted&) {
@@ -445,7 +453,7 @@ RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
   OutputFolder folder(out, OutputFolder::Leftovers::kKeep);
   refuse_finished_trials(folder, out);
   folder.clear();
-  Store store = Store::create(folder / kStoreFile, meta_of(study, Shard{}));
+  Store store = Store::create(folder / kStoreFile, meta_of(study, Shard{}, metas.front().at("gl")));
   for (const fs::path& shard : shards) {
     stop_if_interrupted();
     store.add_all_of(shard / kStoreFile);

@@ -166,6 +166,7 @@ TEST_F(Resume, RefusesARunOfAnotherKindAndKeepsWhatIsThere) {
   const std::string resumed = kStudy + to("run") + " --resume ";
   const std::vector<std::pair<std::string, std::string>> refusals = {
       {resumed + "--seed 2", "was begun with seed 1, not 2"},
+      {resumed + "--gl egl", "was begun with gl none, not egl"},
       {resumed + "--shard 0/2", "was begun with shard 0/1, not 0/2"},
       {resumed + "--set noise.scale=2", "was begun with other keys of the study cube-noise"},
       {resumed + "--trials 400", "was begun with trials 9000, not 3600"},

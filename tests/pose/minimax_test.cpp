@@ -238,6 +238,29 @@ TEST(FitPoints, WhiteningByANumberScalesTheMinimaxAndMovesNothing) {
   EXPECT_TRUE(is_pose_near(scaled.cam_from_centred, plain.cam_from_centred, 1e-6, 1e-4));
 }
 
+TEST(FitPoints, LeastSquaresWeighsByTheWhiteningAsItIs) {
+  // Not symmetric: its square in the cost is the transposed times itself, not itself twice.
+  Draw draw(15);
+  const Correspondences c = cube(0, 1, draw);
+  std::vector<Eigen::Matrix2d> whitening(8);
+  for (int i = 0; i < 8; ++i) whitening[i] << 2, 1.5 - 0.3 * i, 0, 1;
+  const FitPoints points = {c, {}, whitening};
+  const LeastSquares fit = least_squares(points, starting_poses(c, std::nullopt), {});
+  ASSERT_EQ(fit.status, PoseStatus::kOk);
+  double cost_px2 = 0;
+  Vector6d gradient = Vector6d::Zero();
+  double scale = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto r = reproject(points, i, fit.cam_from_centred);
+    ASSERT_TRUE(r);
+    cost_px2 += r->residual_px.squaredNorm();
+    gradient += r->jacobian.transpose() * r->residual_px;
+    scale += r->jacobian.norm() * r->residual_px.norm();
+  }
+  EXPECT_NEAR(fit.cost_px2, cost_px2, 1e-9 * cost_px2);
+  EXPECT_LT(gradient.norm(), 1e-6 * scale);
+}
+
 TEST(FitPoints, LeastSquaresLeavesOutWhatIsNotKept) {
   Draw draw(14);
   Synthetic s = cube_problem(1, draw);
