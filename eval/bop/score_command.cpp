@@ -13,10 +13,12 @@
 #include <fmt/ranges.h>
 
 #include "eval/bop/score.h"
+#include "eval/bop/score_report.h"
 #include "eval/image_set/json.h"
 #include "eval/interrupt.h"
 #include "eval/output_folder.h"
 #include "eval/progress.h"
+#include "eval/report/gnuplot.h"
 #include "eval/text_table.h"
 
 namespace sightline {
@@ -193,9 +195,16 @@ void run_score(const ScoreArguments& arguments) {
   write_file(out / "scores.json", scores_json(arguments, scores, estimates.size()));
   write_file(out / "errors.csv",
              [&](std::ostream& file) { write_errors(dataset, estimates, scores, file); });
+  const ScoreReportInput report{arguments.results, arguments.dataset, arguments.vsd_delta_mm,
+                                dataset,           estimates,         scores};
+  write_file(out / "report.html", score_report(report));
+  const std::string figures_note = write_figures(out / "figures", score_charts(report));
   out.commit();
   print_notes(scores);
-  if (!arguments.is_quiet) std::cout << score_table(scores);
+  if (!figures_note.empty()) std::cerr << "sightline: " << figures_note << "\n";
+  if (arguments.is_quiet) return;
+  std::cout << score_table(scores)
+            << fmt::format("\nreport: {}\n", (fs::path(arguments.out) / "report.html").string());
 }
 
 }  // namespace
@@ -209,7 +218,9 @@ void add_score(CLI::App& app) {
       ->required();
   sub->add_option("--dataset", arguments->dataset, "Folder of the data set, in BOP's format")
       ->required();
-  sub->add_option("--out", arguments->out, "Folder for scores.json and errors.csv")->required();
+  sub->add_option("--out", arguments->out,
+                  "Folder for report.html, figures/, scores.json and errors.csv")
+      ->required();
   sub->add_option("--split", arguments->split, "Its folder of scenes [test, or the only test*]");
   sub->add_option("--vsd-delta-mm", arguments->vsd_delta_mm,
                   "How much nearer than the model the depth may be where VSD calls it visible")

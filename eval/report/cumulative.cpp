@@ -4,13 +4,12 @@
 // Which part of the trials errs by less than so much: a curve a solver. A trial without a pose is
 // in the whole and never under a curve.
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "eval/report/distributions.h"
 #include "eval/report/figures.h"
-#include "eval/report/panels.h"
 
 namespace sightline {
 namespace {
@@ -40,48 +39,34 @@ ChartSeries curve(const std::vector<double>& sorted, double cap) {
   return series;
 }
 
-Chart chart_of(const ReportInput& input, const TrialError& error, const TrialGroup& group) {
+}  // namespace
+
+Chart cumulative_chart(const std::string& error, double cap,
+                       const std::vector<ErrorSample>& samples) {
   Chart chart;
   chart.kind = ChartKind::kSteps;
-  chart.title = fmt::format("{}: how many trials err by less", error.label);
+  chart.title = fmt::format("{}: how many trials err by less", error);
   chart.note = fmt::format(
-      "Errors end at {}; a trial without a pose counts in the whole and errs by more.", error.cap);
-  chart.option = group.option;
-  chart.x.label = error.label;
+      "Errors end at {}; a trial without a pose counts in the whole and errs by more.", cap);
+  chart.x.label = error;
   chart.y = {.label = "trials, %", .low = 0, .high = 100};
   std::vector<double> all;
-  const std::vector<std::string> solvers = input.study.solver_names();
-  for (size_t s = 0; s < solvers.size(); ++s) {
-    std::vector<double> errors;
-    for (const TrialRecord& trial : input.trials) {
-      if (group.holds(trial)) errors.push_back(error.of(trial, s));
-    }
-    if (errors.empty()) continue;
-    std::sort(errors.begin(), errors.end());
-    ChartSeries& series = chart.series.emplace_back(curve(errors, error.cap));
-    series.label = label_in(input.study, solvers[s]);
-    series.style = static_cast<int>(s);
+  for (const ErrorSample& sample : samples) {
+    if (sample.errors.empty()) continue;
+    std::vector<double> sorted = sample.errors;
+    std::sort(sorted.begin(), sorted.end());
+    ChartSeries& series = chart.series.emplace_back(curve(sorted, cap));
+    series.label = sample.label;
+    series.style = sample.style;
     all.insert(all.end(), series.x.begin(), series.x.end());
   }
   choose_scale(chart.x, all);
-  chart.x.high = error.cap;
+  chart.x.high = cap;
   return chart;
 }
 
-}  // namespace
-
 std::vector<Chart> cumulative_charts(const ReportInput& input) {
-  std::vector<Chart> charts;
-  for (const TrialError& error : trial_errors(input.study)) {
-    size_t number = 0;
-    for (const TrialGroup& group : trial_groups(input.study)) {
-      Chart chart = chart_of(input, error, group);
-      chart.group = "cumulative-" + error.id;
-      chart.id = chart_id(chart.group, number++);
-      if (!chart.series.empty()) charts.push_back(std::move(chart));
-    }
-  }
-  return charts;
+  return distribution_charts(input, "cumulative", cumulative_chart);
 }
 
 }  // namespace sightline

@@ -332,6 +332,10 @@ TEST_F(ScoreProgram, GivesTheTruthOfOurOwnSetsFullMarksAndMetresNone) {
   }
   EXPECT_LT(all["geodesic_deg"]["median"].get<double>(), 1e-6);
   EXPECT_EQ(lines_of(read_whole(path("mm/errors.csv"))), 4u);
+  const std::string page = read_whole(path("mm/report.html"));
+  EXPECT_THAT(page, HasSubstr("Average recall: 1.000"));
+  EXPECT_THAT(page, HasSubstr("0 of 3 instances are missed"));
+  EXPECT_TRUE(fs::exists(path("mm/figures/recall-mssd.svg")));
 
   write_truth("metres.csv", 0.001);
   const Outcome metres = score("metres.csv", "--out " + path("metres"));
@@ -339,6 +343,7 @@ TEST_F(ScoreProgram, GivesTheTruthOfOurOwnSetsFullMarksAndMetresNone) {
   for (const char* key : {"ar", "ar_mssd", "ar_mspd", "ar_vsd", "add_recall", "adi_recall"}) {
     EXPECT_EQ(read("metres/scores.json")["all"][key]["value"], 0.0) << key;
   }
+  EXPECT_THAT(read_whole(path("metres/report.html")), HasSubstr("Average recall: 0.000"));
 }
 
 TEST_F(ScoreProgram, SaysInALineWhatIsWrong) {

@@ -218,6 +218,32 @@ TEST(Page, ExploresFramesInABrowser) {
   EXPECT_THAT(read_whole(folder.path() / "run" / name / "report.html"), HasSubstr("<h3"));
 }
 
+TEST(Page, DrawsTheScoresOfOthersInABrowser) {
+  if (!has_browser()) GTEST_SKIP() << "no chromium here";
+  const TemporaryFolder folder;
+  const std::string set = (folder.path() / "set").string();
+  ASSERT_EQ(
+      run(fmt::format("{} render cube --count 2 --truth minimal --quiet --out '{}' > /dev/null",
+                      SIGHTLINE_PROGRAM, set)),
+      0);
+  folder.write("results.csv",
+               "scene_id,im_id,obj_id,score,R,t,time\n0,0,1,1,1 0 0 0 1 0 0 0 1,0 0 9000,-1\n");
+  ASSERT_EQ(
+      run(fmt::format("{0} score '{1}/results.csv' --dataset '{1}/set' --quiet --out '{1}/out'",
+                      SIGHTLINE_PROGRAM, folder.path().string())),
+      0);
+  const Opened opened = open_page(folder.path(), folder.path() / "out" / "report.html",
+                                  std::string(kPainted) +
+                                      "return {painted, sections: "
+                                      "[...document.querySelectorAll('section')].map((s) => "
+                                      "s.id)};");
+  EXPECT_EQ(opened.console, "");
+  ASSERT_EQ(opened.saw["painted"].size(), 4u);  // two recalls, curves, boxes
+  for (const auto& canvas : opened.saw["painted"]) EXPECT_GE(canvas["colours"], 2) << canvas;
+  EXPECT_EQ(opened.saw["sections"].size(), 7u);
+  EXPECT_THAT(opened.dom, HasSubstr("1 of 2 instances are missed"));
+}
+
 TEST(Page, TheBrowserTestSeesAnErrorOfAScript) {
   if (!has_browser()) GTEST_SKIP() << "no chromium here";
   const TemporaryFolder folder;
