@@ -195,7 +195,7 @@ class Explorer {
     const at = this.list.value === '' ? -1 : Number(this.list.value);
     const frame = at < 0 ? 0 : this.data.frame[at];
     document.querySelectorAll('article.frame').forEach((article) => {
-      article.hidden = article.id !== `frame-${frame}`;
+      article.classList.toggle('shown', article.id === `frame-${frame}`);
     });
     this.absent.hidden = frame > 0;
     if (frame > 0) return;

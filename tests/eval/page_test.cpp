@@ -154,7 +154,7 @@ TEST(Page, ExploresFramesInABrowser) {
     const place = document.querySelector('.explorer');
     const [solver, order, condition, kind, extent] = place.querySelectorAll('.choices select');
     const list = place.querySelector('select[size]');
-    const shown = () => [...document.querySelectorAll('article.frame')].filter((a) => !a.hidden);
+    const shown = () => [...document.querySelectorAll('article.frame')].filter((a) => a.offsetHeight > 0);
     const choose = (select, value) => {
       select.value = value;
       select.dispatchEvent(new Event('change'));
