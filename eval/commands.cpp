@@ -9,6 +9,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "eval/bop/score_command.h"
 #include "eval/catalogue_lists.h"
@@ -72,13 +73,25 @@ struct StudyArguments {
   bool is_quiet = false;
 };
 
+RunOptions run_options(const StudyArguments& arguments) {
+  RunOptions options;
+  options.jobs = arguments.jobs;
+  options.is_resumed = arguments.is_resumed;
+  options.show_progress = !arguments.is_quiet;
+  options.renderer.gl = gl_choice(arguments.gl).value();
+  options.shard = chosen_shard(arguments.shard, !arguments.is_quiet);
+  return options;
+}
+
 // Says how many trials a condition needs for intervals so wide, from a pilot of few.
 int plan_command(const StudyArguments& arguments) {
   remember_interrupts();
   StudyOverrides overrides = arguments.overrides;
   if (!overrides.trials) overrides.trials = kPilotTrials;
   const Study study = read_study(arguments.study, overrides);
-  const Summary summary = summarise(study, run_pilot(study, !arguments.is_quiet));
+  RunOptions options = run_options(arguments);
+  options.out = fs::temp_directory_path() / fmt::format("sightline-plan-{}", getpid());
+  const Summary summary = run_pilot(study, options);
   std::cout << plan_table(study, summary, arguments.planned_width);
   return 0;
 }
@@ -87,14 +100,9 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
   if (arguments.planned_width > 0) return plan_command(arguments);
   remember_interrupts();
   const Study study = read_study(arguments.study, arguments.overrides);
-  RunOptions options;
+  RunOptions options = run_options(arguments);
   options.out = arguments.out.empty() ? free_folder(study.name) : fs::path(arguments.out);
-  options.jobs = arguments.jobs;
-  options.is_resumed = arguments.is_resumed;
-  options.show_progress = !arguments.is_quiet;
   options.command = command;
-  options.renderer.gl = gl_choice(arguments.gl).value();
-  options.shard = chosen_shard(arguments.shard, !arguments.is_quiet);
   const RunResult result = run_study(study, options);
   if (!arguments.is_quiet && result.resumed_trials > 0) {
     std::cerr << fmt::format("resumed: {} of {} trials were there\n", result.resumed_trials,

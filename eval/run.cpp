@@ -410,16 +410,12 @@ RunResult run_study(const Study& study, const RunOptions& options) {
   }
 }
 
-std::vector<TrialRecord> run_pilot(const Study& study, bool shows_progress) {
-  Progress progress(study.name, study.trial_count(), shows_progress);
-  TrialRunner runner(study, RendererOptions{});
-  std::vector<TrialRecord> trials;
-  for (int64_t index = 0; index < study.trial_count(); ++index) {
-    stop_if_interrupted();
-    trials.push_back(runner.run(index));
-    progress.advance(1);
-  }
-  return trials;
+Summary run_pilot(const Study& study, const RunOptions& options) {
+  const OutputFolder folder(options.out);
+  Store store = Store::create(folder / kStoreFile,
+                              meta_of(study, options.shard, name_of(options.renderer.gl)));
+  run_jobs(study, options, folder, store);
+  return summarise_store(study, store).summary;
 }
 
 RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,

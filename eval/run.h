@@ -42,8 +42,9 @@ struct RunResult {
 /// of another study, seed, version or shard, or finished trials of a run that is not continued.
 RunResult run_study(const Study& study, const RunOptions& options);
 
-/// All trials of a study, in this process and without a folder: to plan a larger one.
-std::vector<TrialRecord> run_pilot(const Study& study, bool shows_progress);
+/// What all trials of a study say, to plan a larger one: run as run_study does, but `out` is only
+/// where they lie meanwhile, and nothing is left.
+Summary run_pilot(const Study& study, const RunOptions& options);
 
 /// Joins the folders of shards into one, as if one process had run the study. Throws InputError for
 /// shards of different studies, versions or counts, and for missing and double shards.

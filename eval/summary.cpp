@@ -526,9 +526,13 @@ Summary summarise(const Study& study, std::span<const TrialRecord> trials) {
   return summarise(study, in_order(trials));
 }
 
+// Degrees and percent: exact data leave 1e-9 and less, the finest images 1e-3.
+constexpr double kRoundingAlone = 1e-6;
+
 std::optional<int64_t> trials_needed(const CellSummary& cell, double target) {
   std::optional<int64_t> most;
   for (const ErrorSummary* error : {&cell.theta_error_deg, &cell.t_error_percent}) {
+    if (error->mean < kRoundingAlone) continue;
     const auto needed = trials_for(target, cell.trials, error->mean, error->mean_ci95);
     if (needed && (!most || *needed > *most)) most = needed;
   }

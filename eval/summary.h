@@ -116,7 +116,8 @@ Summary summarise(const Study& study, const TrialSource& trials);
 Summary summarise(const Study& study, std::span<const TrialRecord> trials);
 
 /// How many trials a relative half-width of `target` of the 95 % intervals of a cell's mean
-/// theta_error and T_error needs (trials_for); none of a cell whose trials say nothing.
+/// theta_error and T_error needs (trials_for); none of a cell whose trials say nothing, or err by
+/// rounding alone.
 std::optional<int64_t> trials_needed(const CellSummary& cell, double target);
 
 /// summary.json: the contract that other programs read; stable order; numbers read back as

@@ -275,7 +275,9 @@ std::string failure_lines(const Study& study, const Summary& summary) {
   return lines.empty() ? "" : "\n" + lines;
 }
 
-std::string repeat_lines(const Summary& summary) {
+}  // namespace
+
+std::string repeat_warning(const Summary& summary) {
   int repeated = 0;
   int trials = 0;
   for (const CellObservations& cell : summary.observations) {
@@ -283,19 +285,19 @@ std::string repeat_lines(const Summary& summary) {
     trials += cell.trials;
   }
   if (repeated == 0) return "";
-  const std::string warning = fmt::format(
-      "warning: {} of {} trials are an earlier one again, to the last bit: they make the intervals "
-      "narrow and tell nothing (is a seed ignored?)",
+  return fmt::format(
+      "{} of {} trials are an earlier one again, to the last bit: they make the intervals narrow "
+      "and tell nothing (is a seed ignored?)",
       repeated, trials);
-  return fmt::format("\n{}", wrapped(warning));
 }
 
-}  // namespace
-
 std::string to_table(const Study& study, const Summary& summary) {
+  const std::string repeats = repeat_warning(summary);
+  const std::string warning =
+      repeats.empty() ? "" : fmt::format("\n{}", wrapped("warning: " + repeats));
   if (study.kind != StudyKind::kImages) {
     return head(study, summary) + sweep_blocks(study, summary) + failure_lines(study, summary) +
-           repeat_lines(summary);
+           warning;
   }
   const std::string statistic = "mean of the trials and its 95 % interval";
   const ErrorKind theta{"theta_error / °, " + statistic, &CellSummary::theta_error_deg,
@@ -305,7 +307,7 @@ std::string to_table(const Study& study, const Summary& summary) {
   return head(study, summary) + pose_block(study) + error_block(study, summary, theta) +
          error_block(study, summary, t) + solver_block(study, summary) +
          extraction_block(study, summary) + sweep_of_nuisances(study, summary) +
-         failure_lines(study, summary) + repeat_lines(summary);
+         failure_lines(study, summary) + warning;
 }
 
 std::string plan_table(const Study& study, const Summary& summary, double target) {

@@ -18,6 +18,9 @@ namespace sightline {
 /// over conditions are of those that have trials.
 std::string to_table(const Study& study, const Summary& summary);
 
+/// What a reader must know of trials that are an earlier one again; empty where none is.
+std::string repeat_warning(const Summary& summary);
+
 /// How many trials each cell needs for 95 % intervals of its means of +- `target` of them, from the
 /// summary of a pilot: a row a condition, a column a solver, and the most of all.
 std::string plan_table(const Study& study, const Summary& summary, double target);

@@ -364,7 +364,7 @@ std::string score_report(const ScoreReportInput& input) {
       fmt::format("Estimates <code>{}</code> against <code>{}</code>: {}, version {}.",
                   escape_html(input.results), escape_html(input.dataset),
                   counted(targets, "instance"), SIGHTLINE_VERSION);
-  return render_page({"Scores of " + input.results, given, sections_of(input)});
+  return render_page({"Scores of " + input.results, given, "", sections_of(input)});
 }
 
 }  // namespace sightline

@@ -56,6 +56,8 @@ std::string render_page(const Page& page) {
        read_page_file("page.js") + read_page_file("charts.js") + read_page_file("explorer.js")},
       {"title", page.title},
       {"given", page.given_html},
+      {"has_warning", !page.warning.empty()},
+      {"warning", page.warning},
       {"figures", sections},
   });
 }

@@ -20,6 +20,7 @@ struct PageSection {
 struct Page {
   std::string title;
   std::string given_html;  ///< a line under it: what the page is about
+  std::string warning;     ///< what a reader must know first; may be empty
   std::vector<PageSection> sections;
 };
 

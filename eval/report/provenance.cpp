@@ -135,7 +135,8 @@ std::string repeat_command(const ReportInput& input) {
 
 std::string provenance_figure(const ReportInput& input) {
   const auto typed = input.meta.find("command");
-  const double outlier_px = input.study.setups.empty() ? 0 : input.study.setups.front().limits.outlier_px;
+  const double outlier_px =
+      input.study.setups.empty() ? 0 : input.study.setups.front().limits.outlier_px;
   const bool has_typed = typed != input.meta.end();
   return mustache::mustache(kTemplate).render(mustache::object{
       {"facts", facts_of(input)},

@@ -11,6 +11,7 @@
 #include "eval/report/means.h"
 #include "eval/report/page.h"
 #include "eval/report/text.h"
+#include "eval/table.h"
 
 namespace sightline {
 namespace {
@@ -61,7 +62,10 @@ std::vector<Chart> report_charts(const ReportInput& input) {
 
 std::string render_report(const ReportInput& input) {
   const Study& study = input.study;
-  Page page{study.title.empty() ? study.name : study.title, given_html(input), {}};
+  Page page{study.title.empty() ? study.name : study.title,
+            given_html(input),
+            repeat_warning(input.summary),
+            {}};
   for (const ReportFigure& figure : report_figures()) {
     page.sections.push_back({std::string(figure.name), std::string(figure.title),
                              figure.html == nullptr ? "" : figure.html(input),

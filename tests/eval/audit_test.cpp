@@ -16,6 +16,7 @@
 #include "eval/compare.h"
 #include "eval/localisation.h"
 #include "eval/numeric_trial.h"
+#include "eval/report/report.h"
 #include "eval/store.h"
 #include "eval/summary.h"
 #include "eval/table.h"
@@ -254,6 +255,10 @@ TEST_F(Audit, AnIgnoredSeedIsNoticed) {
   EXPECT_EQ(summary.cells[0].geodesic_deg.mean_ci95[0], summary.cells[0].geodesic_deg.mean_ci95[1]);
   EXPECT_THAT(to_table(flow.study, summary),
               HasSubstr("warning: 99 of 100 trials are an earlier one again"));
+  EXPECT_THAT(render_report({flow.study, summary, {}, {}, {}}),
+              HasSubstr("Warning:</strong> 99 of 100 trials are an earlier one again"));
+  EXPECT_THAT(render_report({flow.study, flow_with(kSound).summary(), {}, {}, {}}),
+              Not(HasSubstr("class=\"warning\"")));
   EXPECT_THAT(to_json(flow.study, summary), HasSubstr("\"trials_repeated\": 99"));
   EXPECT_THAT(gate(flow).how, HasSubstr("not paired"));
 }

@@ -4,6 +4,7 @@
 // The program as a user runs it: real processes, real files.
 #include "tests/eval/program.h"
 
+#include <regex>
 #include <string>
 
 #include <gmock/gmock.h>
@@ -125,6 +126,21 @@ TEST_F(Program, NumericStudiesRepeatWhateverTheJobsAndShards) {
     ASSERT_EQ(run(study + path(name + "-other") + " --seed 2").exit_code, 0);
     EXPECT_NE(results(name + "-one", "results.csv"), results(name + "-other", "results.csv"));
   }
+}
+
+TEST_F(Program, PlansWhateverTheJobsAndLeavesNothing) {
+  const std::string plan =
+      "study cube-noise --trials 20 --plan 0.05 --quiet "
+      "--set 'solvers=[\"lspe\"]' --set outliers.count=0 ";
+  const std::string in_here = "cd " + folder_.path().string() + " && TMPDIR=. ";
+  const Outcome one = run_shell(in_here + SIGHTLINE_PROGRAM + " " + plan);
+  const Outcome two = run_shell(in_here + SIGHTLINE_PROGRAM + " " + plan + "--jobs 2");
+  ASSERT_EQ(one.exit_code, 0) << one.output;
+  EXPECT_EQ(one.output, two.output);
+  EXPECT_TRUE(std::regex_search(one.output, std::regex("\n0 px +-\n"))) << one.output;
+  EXPECT_TRUE(std::regex_search(one.output, std::regex("\n4 px +[0-9]+\n"))) << one.output;
+  EXPECT_THAT(one.output, HasSubstr("The most: --trials "));
+  EXPECT_TRUE(fs::is_empty(folder_.path()));
 }
 
 TEST_F(Program, CubeStudiesHaveTheConditionsOfTheContract) {
