@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <CGAL/Orthogonal_k_neighbor_search.h>
 #include <CGAL/Search_traits_3.h>
@@ -31,6 +32,11 @@ double greatest_distance(const Eigen::Matrix3Xd& points, const Pose& a, const Po
 Eigen::Matrix2Xd projected(const Eigen::Matrix3Xd& points, const Eigen::Matrix3d& k,
                            const Pose& pose) {
   return (k * moved(points, pose)).colwise().hnormalized();
+}
+
+// Of the positions, over the true one's length.
+double distance_fraction(const Pose& estimated, const Pose& truth) {
+  return (estimated.translation - truth.translation).norm() / truth.translation.norm();
 }
 
 }  // namespace
@@ -69,6 +75,33 @@ double mspd_px(const Eigen::Matrix3Xd& points_mm, const Eigen::Matrix3d& k, cons
 
 double add_mm(const Eigen::Matrix3Xd& points_mm, const Pose& estimated, const Pose& truth) {
   return (moved(points_mm, estimated) - moved(points_mm, truth)).colwise().norm().mean();
+}
+
+double projection_px(const Eigen::Matrix3Xd& points_mm, const Eigen::Matrix3d& k,
+                     const Pose& estimated, const Pose& truth) {
+  const double mean =
+      (projected(points_mm, k, estimated) - projected(points_mm, k, truth)).colwise().norm().mean();
+  return std::isfinite(mean) ? mean : kInfinity;
+}
+
+bool is_within_5deg_5cm(const Pose& estimated, const Pose& truth) {
+  constexpr double kAngleRad = 5 * std::numbers::pi / 180;
+  constexpr double kDistanceMm = 50;
+  return geodesic_angle_rad(estimated.rotation, truth.rotation) < kAngleRad &&
+         (estimated.translation - truth.translation).norm() < kDistanceMm;
+}
+
+double speed_score(const Pose& estimated, const Pose& truth) {
+  return geodesic_angle_rad(estimated.rotation, truth.rotation) +
+         distance_fraction(estimated, truth);
+}
+
+double speed_plus_score(const Pose& estimated, const Pose& truth) {
+  constexpr double kAngleRad = 0.169 * std::numbers::pi / 180;
+  constexpr double kDistanceFraction = 2.173e-3;
+  const double angle_rad = geodesic_angle_rad(estimated.rotation, truth.rotation);
+  const double fraction = distance_fraction(estimated, truth);
+  return (angle_rad < kAngleRad ? 0 : angle_rad) + (fraction < kDistanceFraction ? 0 : fraction);
 }
 
 double adi_mm(const Eigen::Matrix3Xd& points_mm, const Pose& estimated, const Pose& truth) {

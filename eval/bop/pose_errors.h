@@ -37,6 +37,27 @@ double add_mm(const Eigen::Matrix3Xd& points_mm, const Pose& estimated, const Po
 /// (ibid.; also called ADD-S).
 double adi_mm(const Eigen::Matrix3Xd& points_mm, const Pose& estimated, const Pose& truth);
 
+// Of other benchmarks.
+
+/// Average distance of the vertices' pixels (Brachmann et al., CVPR 2016: "2D projection", good
+/// below 5 px). MSPD is the greatest instead.
+double projection_px(const Eigen::Matrix3Xd& points_mm, const Eigen::Matrix3d& k,
+                     const Pose& estimated, const Pose& truth);
+
+/// Whether the attitude errs by less than 5 degrees and the position by less than 5 cm (Shotton et
+/// al., CVPR 2013).
+bool is_within_5deg_5cm(const Pose& estimated, const Pose& truth);
+
+/// The score of ESA's Pose Estimation Challenge (Kisantal et al., "Satellite Pose Estimation
+/// Challenge", IEEE TAES 2020): the geodesic angle in radians plus the distance of the positions
+/// over the true one's length.
+double speed_score(const Pose& estimated, const Pose& truth);
+
+/// The same of the challenge of 2021, SPEED+: an angle below 0.169 degrees and a distance below
+/// 2.173 parts in a thousand count as zero, each for itself: what its hardware is calibrated to
+/// (Park et al., "SPEED+", 2022).
+double speed_plus_score(const Pose& estimated, const Pose& truth);
+
 /// Distances from the camera's centre of a depth image (CV_64F, z); 0 stays 0.
 cv::Mat distances_of_depth(const cv::Mat& depth, const Eigen::Matrix3d& k);
 

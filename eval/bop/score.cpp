@@ -27,7 +27,8 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMspdWidth = 640;    // px, the image that MSPD's thresholds are of
 constexpr double kAddFraction = 0.1;  // of the diameter
-constexpr uint64_t kSeed = 1;         // of the bootstrap
+constexpr double kGoodProjectionPx = 5;
+constexpr uint64_t kSeed = 1;  // of the bootstrap
 
 // Indices of `count` values, or fewer, greatest first; those that tie in their order.
 template <typename Value>
@@ -148,10 +149,14 @@ class Group {
             .add_mm = add_mm(points, estimated, truth),
             .adi_mm = adi_mm(points, estimated, truth),
             .vsd = {},
+            .projection_px = projection_px(points, image_.k, estimated, alike),
             .theta_error_deg = kDegrees * attitude_error_rad(estimated.rotation, alike.rotation),
             .t_error_percent =
                 100 * translation_error_fraction(estimated.translation, alike.translation),
-            .geodesic_deg = kDegrees * geodesic_angle_rad(estimated.rotation, alike.rotation)};
+            .geodesic_deg = kDegrees * geodesic_angle_rad(estimated.rotation, alike.rotation),
+            .speed_score = speed_score(estimated, alike),
+            .speed_plus_score = speed_plus_score(estimated, alike),
+            .is_within_5deg_5cm = is_within_5deg_5cm(estimated, alike)};
   }
 
   // Greedily: the estimates in their order take the free instance of the least error below.
@@ -243,6 +248,12 @@ BopSummary summary_of(std::span<const BopTarget* const> targets, bool has_vsd) {
   }
   s.add = rate_over(targets, [](const BopTarget& t) { return t.is_add_good; });
   s.adi = rate_over(targets, [](const BopTarget& t) { return t.is_adi_good; });
+  s.projection_5px = rate_over(targets, [](const BopTarget& t) {
+    return t.chosen && t.pairs[*t.chosen].projection_px < kGoodProjectionPx;
+  });
+  s.within_5deg_5cm = rate_over(targets, [](const BopTarget& t) {
+    return t.chosen && t.pairs[*t.chosen].is_within_5deg_5cm;
+  });
   for (int i = 0; i < kBopThresholds; ++i) {
     s.mssd_recalls[i] = rate_over(targets, [i](const BopTarget& t) { return t.mssd[i]; }).value;
     s.mspd_recalls[i] = rate_over(targets, [i](const BopTarget& t) { return t.mspd[i]; }).value;
@@ -250,6 +261,8 @@ BopSummary summary_of(std::span<const BopTarget* const> targets, bool has_vsd) {
   s.theta_error_deg = summary_of(targets, &BopPair::theta_error_deg, kAngleCapDeg, "theta");
   s.t_error_percent = summary_of(targets, &BopPair::t_error_percent, kTranslationCapPercent, "t");
   s.geodesic_deg = summary_of(targets, &BopPair::geodesic_deg, kAngleCapDeg, "geodesic");
+  s.speed_score = summary_of(targets, &BopPair::speed_score, kSpeedScoreCap, "speed");
+  s.speed_plus_score = summary_of(targets, &BopPair::speed_plus_score, kSpeedScoreCap, "speed+");
   return s;
 }
 

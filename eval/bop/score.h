@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <vector>
@@ -37,10 +38,15 @@ struct BopPair {
   double add_mm = 0;
   double adi_mm = 0;
   std::vector<double> vsd;  ///< one a tau; empty where the image has no depth
-  // Ours, against the true pose at the symmetry that is nearest.
+  double projection_px = 0;
+  // Ours, and what other benchmarks judge by, against the true pose at the symmetry that is
+  // nearest.
   double theta_error_deg = 0;
   double t_error_percent = 0;
   double geodesic_deg = 0;
+  double speed_score = 0;
+  double speed_plus_score = 0;
+  bool is_within_5deg_5cm = false;
 };
 
 /// What became of one instance that the data set asks for.
@@ -73,6 +79,10 @@ BopScores score_bop(
     const BopDataset& dataset, std::span<const BopEstimate> estimates, double vsd_delta_mm,
     const std::function<void()>& tick = [] {});
 
+/// The greatest SPEED score that is told apart: an attitude upside down, and a position that errs
+/// by its own length. A target that is missed counts so.
+constexpr double kSpeedScoreCap = std::numbers::pi + 1;
+
 /// A rate or a mean, with its 95 % interval.
 struct BopRate {
   double value = kNoNumber;
@@ -86,8 +96,10 @@ struct BopSummary {
   int64_t estimated = 0;  ///< targets that have an estimate
   BopRate ar, ar_mssd, ar_mspd, ar_vsd;
   BopRate add, adi;  ///< recall at a tenth of the diameter
+  BopRate projection_5px, within_5deg_5cm;
   std::array<double, kBopThresholds> mssd_recalls{}, mspd_recalls{};
   ErrorSummary theta_error_deg, t_error_percent, geodesic_deg;  ///< a missed one has failed
+  ErrorSummary speed_score, speed_plus_score;                   ///< alike
 };
 
 BopSummary summarise(const BopScores& scores);

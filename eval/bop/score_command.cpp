@@ -60,7 +60,11 @@ Json summary_json(const BopSummary& s) {
           {"adi_recall", rate_json(s.adi)},
           {"theta_error_deg", error_json(s.theta_error_deg)},
           {"t_error_percent", error_json(s.t_error_percent)},
-          {"geodesic_deg", error_json(s.geodesic_deg)}};
+          {"geodesic_deg", error_json(s.geodesic_deg)},
+          {"projection_5px_recall", rate_json(s.projection_5px)},
+          {"within_5deg_5cm", rate_json(s.within_5deg_5cm)},
+          {"speed_score", error_json(s.speed_score)},
+          {"speed_plus_score", error_json(s.speed_plus_score)}};
 }
 
 std::string scores_json(const ScoreArguments& arguments, const BopScores& scores,
@@ -85,7 +89,8 @@ std::string scores_json(const ScoreArguments& arguments, const BopScores& scores
 // ---- errors.csv
 
 constexpr std::string_view kPairNames =
-    ",mssd_mm,mspd_px,add_mm,adi_mm,theta_error_deg,t_error_percent,geodesic_deg";
+    ",mssd_mm,mspd_px,add_mm,adi_mm,theta_error_deg,t_error_percent,geodesic_deg,projection_px,"
+    "speed_score,speed_plus_score,is_within_5deg_5cm";
 
 std::string errors_header() {
   std::string header = "scene_id,im_id,obj_id,gt_id,line,score,is_chosen";
@@ -95,9 +100,10 @@ std::string errors_header() {
 }
 
 void write_pair(std::ostream& out, const BopPair& p, const BopEstimate& estimate, bool is_chosen) {
-  out << fmt::format(",{},{},{},{},{},{},{},{},{},{}", estimate.line, estimate.score,
+  out << fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{}", estimate.line, estimate.score,
                      is_chosen ? 1 : 0, p.mssd_mm, p.mspd_px, p.add_mm, p.adi_mm, p.theta_error_deg,
-                     p.t_error_percent, p.geodesic_deg);
+                     p.t_error_percent, p.geodesic_deg, p.projection_px, p.speed_score,
+                     p.speed_plus_score, p.is_within_5deg_5cm ? 1 : 0);
   for (int i = 0; i < kBopThresholds; ++i) {
     out << (p.vsd.empty() ? "," : fmt::format(",{}", p.vsd[i]));
   }
@@ -107,7 +113,7 @@ void write_pair(std::ostream& out, const BopPair& p, const BopEstimate& estimate
 // A row a target and estimate of it that counts; a target without any has one row without numbers.
 void write_errors(const BopDataset& dataset, std::span<const BopEstimate> estimates,
                   const BopScores& scores, std::ostream& out) {
-  constexpr size_t kPairColumns = 10 + kBopThresholds;
+  constexpr size_t kPairColumns = 14 + kBopThresholds;
   out << errors_header();
   for (const BopTarget& target : scores.targets) {
     const BopImage& image = dataset.images[target.image];
@@ -145,15 +151,21 @@ std::string score_table(const BopScores& scores) {
   }
   std::vector<TextGroup> recalls;
   const std::vector<std::pair<std::string, BopRate BopSummary::*>> rates = {
-      {"AR", &BopSummary::ar},           {"AR_MSSD", &BopSummary::ar_mssd},
-      {"AR_MSPD", &BopSummary::ar_mspd}, {"AR_VSD", &BopSummary::ar_vsd},
-      {"ADD < 0.1 d", &BopSummary::add}, {"ADI < 0.1 d", &BopSummary::adi}};
+      {"AR", &BopSummary::ar},
+      {"AR_MSSD", &BopSummary::ar_mssd},
+      {"AR_MSPD", &BopSummary::ar_mspd},
+      {"AR_VSD", &BopSummary::ar_vsd},
+      {"ADD < 0.1 d", &BopSummary::add},
+      {"ADI < 0.1 d", &BopSummary::adi},
+      {"2D proj. < 5 px", &BopSummary::projection_5px},
+      {"5 deg 5 cm", &BopSummary::within_5deg_5cm}};
   for (const auto& [name, member] : rates) {
     std::vector<BopRate> column;
     for (const BopSummary& row : rows) column.push_back(row.*member);
     recalls.push_back(rate_group(name, column));
   }
   TextColumn targets{"targets", {}}, estimated{"estimated", {}};
+  TextColumn speed{"SPEED", {}}, speed_plus{"SPEED+", {}};
   TextColumn theta{"theta_error / °", {}}, t{"T_error / %", {}}, geodesic{"geodesic / °", {}};
   for (const BopSummary& row : rows) {
     targets.cells.push_back(fmt::to_string(row.targets));
@@ -161,11 +173,17 @@ std::string score_table(const BopScores& scores) {
     theta.cells.push_back(number_text(row.theta_error_deg.median, 4));
     t.cells.push_back(number_text(row.t_error_percent.median, 4));
     geodesic.cells.push_back(number_text(row.geodesic_deg.median, 4));
+    speed.cells.push_back(number_text(row.speed_score.mean, 4));
+    speed_plus.cells.push_back(number_text(row.speed_plus_score.mean, 4));
   }
   return text_block("Recall, and its 95 % interval", labels, recalls) +
          text_block(
              "Medians of the targets, a missed one counting as infinite", labels,
-             {{"", {targets}}, {"", {estimated}}, {"", {theta}}, {"", {t}}, {"", {geodesic}}});
+             {{"", {targets}}, {"", {estimated}}, {"", {theta}}, {"", {t}}, {"", {geodesic}}}) +
+         text_block(
+             fmt::format("Mean scores of ESA's challenges, a missed target counting as {:.4f}",
+                         kSpeedScoreCap),
+             labels, {{"", {speed}}, {"", {speed_plus}}});
 }
 
 void print_notes(const BopScores& scores) {

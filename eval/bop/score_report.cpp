@@ -69,6 +69,10 @@ wide. VSD: the share of visible surface whose distance differs by more than <i>�
 Challenge 2019 and later, localisation of a known number of instances).</li>
 <li>ADD and ADI: mean distance of the vertices, to the same and to the nearest vertex; good below a
 tenth of the diameter. Neither knows symmetries.</li>
+<li>2D projection: mean distance of the vertices’ pixels, good below 5 px. 5° 5 cm: attitude and
+position err by less. SPEED: the geodesic angle in radians plus the distance of the positions over the
+true one’s length; SPEED+: with an angle below 0.169° and a distance below 0.2173 % each counting as
+zero; of both a missed instance counts as π + 1. All at the nearest symmetry.</li>
 <li><i>θ</i> error, <i>T</i> error: root mean squares of the three attitude angles’ errors, and of
 the components of the translation’s error over the distance, as the ORPE paper defines them; geodesic
 error: the angle of the one rotation between the two attitudes. Each against the true pose at the
@@ -260,20 +264,25 @@ std::string objects_html(const ScoreReportInput& input) {
     mustache::data cells(mustache::data::type::list);
     cells << mustache::object{{"value", fmt::to_string(s.targets)}, {"interval", ""}}
           << mustache::object{{"value", fmt::to_string(s.targets - s.estimated)}, {"interval", ""}};
-    for (const BopRate& rate : {s.ar, s.ar_mssd, s.ar_mspd, s.ar_vsd, s.add, s.adi}) {
+    for (const BopRate& rate : {s.ar, s.ar_mssd, s.ar_mspd, s.ar_vsd, s.add, s.adi,
+                                s.projection_5px, s.within_5deg_5cm}) {
       cells << rate_cell(rate);
     }
     for (const ErrorSummary* error : {&s.theta_error_deg, &s.t_error_percent, &s.geodesic_deg}) {
       cells << median_cell(*error);
     }
+    for (const ErrorSummary* score : {&s.speed_score, &s.speed_plus_score}) {
+      cells << rate_cell({score->mean, score->mean_ci95});
+    }
     rows << mustache::object{{"head", name}, {"cells", cells}};
   }
-  return table_html("Scores",
-                    "Recalls, and medians of our own errors in which a missed instance counts as "
-                    "infinite, with 95 % intervals in brackets.",
-                    {"", "instances", "missed", "AR", "AR_MSSD", "AR_MSPD", "AR_VSD", "ADD", "ADI",
-                     "θ error, °", "T error, %", "geodesic, °"},
-                    std::move(rows));
+  return table_html(
+      "Scores",
+      "Recalls, medians of our own errors in which a missed instance counts as infinite, "
+      "and mean scores of SPEED and SPEED+, with 95 % intervals in brackets.",
+      {"", "instances", "missed", "AR", "AR_MSSD", "AR_MSPD", "AR_VSD", "ADD", "ADI",
+       "2D projection", "5° 5 cm", "θ error, °", "T error, %", "geodesic, °", "SPEED", "SPEED+"},
+      std::move(rows));
 }
 
 // From the worst on; a missed instance has nothing to look at.

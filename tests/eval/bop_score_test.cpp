@@ -116,6 +116,36 @@ TEST(BopPoseErrors, OfAContinuousSymmetry) {
   EXPECT_NEAR(mssd_mm(points, turned, at_1000_mm(), kNoSymmetry), 100 * std::sin(0.5), kRounding);
 }
 
+// ---- other benchmarks
+
+// |(3, 4, 0)| = 5 mm of 1000 mm; all vertices at z = 950 or 1050 mm: 2500 / 950 and 2500 / 1050 px,
+// four each.
+TEST(OtherPoseErrors, OfATranslation) {
+  const Pose truth = at_1000_mm();
+  const Pose estimated = shifted(truth, {3, 4, 0});
+  EXPECT_NEAR(projection_px(cube_points(), k_of(500, 320), estimated, truth),
+              (2500.0 / 950 + 2500.0 / 1050) / 2, kRounding);
+  EXPECT_NEAR(speed_score(estimated, truth), 0.005, 1e-15);
+  EXPECT_NEAR(speed_plus_score(estimated, truth), 0.005, 1e-15);
+  EXPECT_EQ(speed_plus_score(shifted(truth, {0, 0, 2.172}), truth), 0);
+  EXPECT_NEAR(speed_plus_score(shifted(truth, {0, 0, 2.174}), truth), 0.002174, 1e-15);
+}
+
+TEST(OtherPoseErrors, OfARotationEachThresholdForItself) {
+  const Pose truth = at_1000_mm();
+  const auto turned = [](double angle_deg) {
+    return at_1000_mm(turn_z(angle_deg * std::numbers::pi / 180));
+  };
+  EXPECT_NEAR(speed_score(turned(0.168), truth), 0.168 * std::numbers::pi / 180, 1e-12);
+  EXPECT_EQ(speed_plus_score(turned(0.168), truth), 0);
+  EXPECT_NEAR(speed_plus_score(turned(0.170), truth), 0.170 * std::numbers::pi / 180, 1e-12);
+  // The angle counts, the distance beside it does not.
+  EXPECT_NEAR(speed_plus_score(shifted(turned(90), {2, 0, 0}), truth), std::numbers::pi / 2, 1e-12);
+  EXPECT_TRUE(is_within_5deg_5cm(shifted(turned(4.99), {0, 0, 49.9}), truth));
+  EXPECT_FALSE(is_within_5deg_5cm(turned(5.01), truth));
+  EXPECT_FALSE(is_within_5deg_5cm(shifted(truth, {0, 0, 50.1}), truth));
+}
+
 // ---- VSD
 
 // A plane at z = 0 that fills every image.
@@ -331,6 +361,9 @@ TEST_F(ScoreProgram, GivesTheTruthOfOurOwnSetsFullMarksAndMetresNone) {
     EXPECT_EQ(all[key]["value"], 1.0) << key;
   }
   EXPECT_LT(all["geodesic_deg"]["median"].get<double>(), 1e-6);
+  EXPECT_EQ(all["within_5deg_5cm"]["value"], 1.0);
+  EXPECT_EQ(all["projection_5px_recall"]["value"], 1.0);
+  EXPECT_EQ(all["speed_plus_score"]["mean"], 0.0);
   EXPECT_EQ(lines_of(read_whole(path("mm/errors.csv"))), 4u);
   const std::string page = read_whole(path("mm/report.html"));
   EXPECT_THAT(page, HasSubstr("Average recall: 1.000"));
