@@ -244,26 +244,31 @@ fs::path bop_picture(const fs::path& folder, const std::string& name) {
   return {};
 }
 
-fs::path bop_models_info(const fs::path& folder) {
-  return models_folder(folder) / "models_info.json";
-}
-
 std::vector<Pose> bop_symmetries(const std::string& info) {
   return symmetries_of(Json::parse(info));
 }
 
-std::optional<Eigen::AlignedBox3d> bop_model_box_mm(const fs::path& folder, int obj_id) {
-  const fs::path file = bop_models_info(folder);
-  if (!fs::exists(file)) return std::nullopt;
-  std::optional<Eigen::AlignedBox3d> box;
-  with_json(file, [&](const Json& infos) {
-    const auto info = infos.find(fmt::to_string(obj_id));
-    if (info == infos.end()) return;
-    const auto vector = [&info](const std::string& name) {
-      return Eigen::Vector3d(info->at(name + "_x"), info->at(name + "_y"), info->at(name + "_z"));
-    };
-    box.emplace(vector("min"), vector("min") + vector("size"));
-  });
+std::optional<BopBox> bop_model_box(const fs::path& folder, int obj_id) {
+  const fs::path models = models_folder(folder);
+  const fs::path infos_file = models / "models_info.json";
+  std::optional<BopBox> box;
+  if (fs::exists(infos_file)) {
+    with_json(infos_file, [&](const Json& infos) {
+      const auto info = infos.find(fmt::to_string(obj_id));
+      if (info == infos.end() || !info->contains("min_x")) return;
+      const auto vector = [&info](const std::string& name) {
+        return Eigen::Vector3d(info->at(name + "_x"), info->at(name + "_y"), info->at(name + "_z"));
+      };
+      const Eigen::Vector3d min = vector("min");
+      box = BopBox{{min, min + vector("size")}, infos_file};
+    });
+  }
+  const fs::path model_file = models / fmt::format("obj_{:06}.ply", obj_id);
+  if (box || !fs::exists(model_file)) return box;
+  box = BopBox{{}, model_file};
+  for (const Eigen::Vector3d& vertex : read_ply_as_it_is(model_file).vertices) {
+    box->box_mm.extend(vertex);
+  }
   return box;
 }
 
@@ -271,7 +276,8 @@ std::vector<BopImage> read_bop_images(const fs::path& folder, const std::string&
   if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: is no folder", folder.string()));
   const fs::path scenes_folder = split_folder(folder, split);
   const fs::path list = folder / "test_targets_bop19.json";
-  const bool has_list = fs::exists(list);
+  const bool is_test = scenes_folder.filename().string().starts_with("test");
+  const bool has_list = is_test && fs::exists(list);  // it is of no other split
   const Targets targets = has_list ? read_targets(list) : Targets{};
   std::set<int> scenes;
   if (!has_list) scenes = scenes_in(scenes_folder);

@@ -66,12 +66,15 @@ std::vector<BopImage> read_bop_images(const std::filesystem::path& folder,
 /// The picture of that name in a folder, whatever its format; empty where there is none.
 std::filesystem::path bop_picture(const std::filesystem::path& folder, const std::string& name);
 
-/// Where models_info.json lies, or would: in models_eval/, else in models/.
-std::filesystem::path bop_models_info(const std::filesystem::path& folder);
+/// The box that an object fills in its own frame, and which file says so.
+struct BopBox {
+  Eigen::AlignedBox3d box_mm;
+  std::filesystem::path file;
+};
 
-/// The box that models_info.json says an object fills; none where file or object are missing.
-std::optional<Eigen::AlignedBox3d> bop_model_box_mm(const std::filesystem::path& folder,
-                                                    int obj_id);
+/// As models_info.json has it or, where it has not, the model's vertices, in models_eval/ or else
+/// in models/; none where there is neither.
+std::optional<BopBox> bop_model_box(const std::filesystem::path& folder, int obj_id);
 
 /// The same images with all models, of models_eval/ (or models/), which must be there.
 BopDataset read_bop_dataset(const std::filesystem::path& folder, const std::string& split);

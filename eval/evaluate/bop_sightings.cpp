@@ -102,9 +102,9 @@ SetReading read_bop_sightings(const SightingSource& source) {
       sighting.cam_from_target = pose_of(image, gt_id);
     }
   }
-  reading.model_file = bop_models_info(source.folder);
-  if (const auto box = bop_model_box_mm(source.folder, reading.obj_id)) {
-    reading.model_box_m.emplace(kMetre * box->min(), kMetre * box->max());
+  if (const auto model = bop_model_box(source.folder, reading.obj_id)) {
+    reading.model_file = model->file;
+    reading.model_box_m.emplace(kMetre * model->box_mm.min(), kMetre * model->box_mm.max());
   }
   return reading;
 }

@@ -91,7 +91,7 @@ std::string study_text(const EvaluateArguments& a) {
   std::vector<std::string> solvers;
   for (const std::string& solver : a.solvers) solvers.push_back(quoted(solver));
   std::string text = fmt::format("name = {}\n", quoted(name));
-  text += fmt::format("title = {}\n", quoted(fmt::format("{} in the images of {}", a.target, set)));
+  text += fmt::format("title = {}\n", quoted("Features and pose on the images of " + set));
   text += fmt::format("question = {}\n",
                       quoted(fmt::format("How well do these solvers do on {}?", set)));
   text += fmt::format("target = {}\n", quoted(target_of(a.target)));
@@ -141,7 +141,8 @@ void add_evaluate(CLI::App& app, const std::string& command, int& exit_code) {
   sub->add_option("--prior", arguments->prior,
                   "Where to look: the true pose with an error drawn by --set prior.attitude_deg=2, "
                   "prior.range_percent=1, prior.lateral_px=3 (standard deviations), or a BOP "
-                  "results CSV of anyone's poses; an instance without one there is a failed trial")
+                  "results CSV of anyone's poses, mm (SPEED+: scene_id 0, im_id the place in the "
+                  "list from 0, obj_id 1); an instance without one there is a failed trial")
       ->capture_default_str();
   sub->add_option("--extractor", arguments->extractor,
                   "For all features that it can find (`sightline list extractors`); one for each "

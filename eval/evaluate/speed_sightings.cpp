@@ -62,8 +62,8 @@ fs::path camera_file(const fs::path& list) {
 Eigen::Matrix3d matrix_in(const Json& camera) {
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
   if (camera.contains("cameraMatrix")) {
-    const auto rows = camera["cameraMatrix"].get<std::vector<std::vector<double>>>();
-    for (size_t i = 0; i < 9; ++i) k(i / 3, i % 3) = rows.at(i / 3).at(i % 3);
+    const Json& rows = camera["cameraMatrix"];
+    for (size_t i = 0; i < 9; ++i) k(i / 3, i % 3) = rows.at(i / 3).at(i % 3).get<double>();
     return k;
   }
   k(0, 0) = camera.at("fx").get<double>() / camera.at("ppx").get<double>();

@@ -14,6 +14,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "eval/evaluate/sightings.h"
+#include "eval/image_set/models.h"
 #include "eval/trial.h"
 #include "scenes/input_error.h"
 #include "tests/eval/program.h"
@@ -26,6 +27,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 template <typename Call>
 std::string error_of(const Call& call) {
@@ -49,12 +51,13 @@ constexpr double kSameDeg = 1e-4;
 
 class OwnSet : public testing::Test {
  protected:
-  std::string render(const std::string& format) const {
+  std::string render(const std::string& format, const StudyOverrides& overrides = {}) const {
     const std::string set = (folder_.path() / format).string();
-    const Outcome made =
-        run(fmt::format("render boeing-random --count {} --format {} --quiet "
-                        "--out {}",
-                        kImages, format, set));
+    fs::remove_all(set);
+    std::string line =
+        fmt::format("render boeing-random --count {} --scene-size 3 --quiet", kImages);
+    for (const std::string& key : overrides.set) line += fmt::format(" --set '{}'", key);
+    const Outcome made = run(line + " --format " + format + " --out " + set);
     EXPECT_EQ(made.exit_code, 0) << made.output;
     return set;
   }
@@ -67,6 +70,11 @@ class OwnSet : public testing::Test {
     json content = json::parse(read_whole(file));
     change(content);
     std::ofstream(file) << content;
+  }
+  // Of both scenes of a BOP set.
+  void edit_truth(const fs::path& set, const std::function<void(json&)>& change) const {
+    for (const char* scene : {"000000", "000001"})
+      edit(set / "test" / scene / "scene_gt.json", change);
   }
   TemporaryFolder folder_;
 };
@@ -101,17 +109,41 @@ void expect_same(const Trial& a, const Trial& b) {
   }
 }
 
-// Poses, units, the half pixel and the draws of priors survive the way through the files.
+// A set and what has to be said of it that its format cannot say.
+struct OwnCase {
+  std::string format;
+  std::vector<std::string> rendered;
+  std::string evaluated;
+};
+
+const std::string kLens = "camera.distortion=[-0.5, 3, 0.01, 0.02, 0]";
+const std::string kOccluders = R"(other=[{target="cube", scale=12, count=3, offset_px=[-90, 90]}])";
+
+// Poses, units, the half pixel, lenses, masks and the draws of priors survive the way through the
+// files.
 TEST_F(OwnSet, GivesWhatTheStudyGaveThatRenderedIt) {
-  const Study rendered = read_study("boeing-random", {.trials = kImages, .seed = {}, .set = {}});
+  const std::vector<OwnCase> cases = {
+      {"bop", {}, ""},
+      {"speed", {}, ""},
+      {"bop", {"image.bits=12"}, "bits = 12\n"},
+      {"speed", {kLens}, ""},
+      {"bop", {kLens}, "[camera]\ndistortion = [-0.5, 3, 0.01, 0.02, 0]\n"},
+      {"bop", {kOccluders}, ""}};
   Renderer renderer;
-  for (const std::string format : {"bop", "speed"}) {
-    const Study evaluated = study_of(render(format));
+  for (const OwnCase& c : cases) {
+    const StudyOverrides overrides{.trials = kImages, .seed = {}, .set = c.rendered};
+    const Study rendered = read_study("boeing-random", overrides);
+    const Study evaluated = study_of(render(c.format, overrides), c.evaluated);
     ASSERT_EQ(evaluated.trial_count(), kImages);
+    int hidden = 0;
     for (int i = 0; i < kImages; ++i) {
-      SCOPED_TRACE(format + fmt::format(" image {}", i));
-      expect_same(run_trial(rendered, i, renderer), run_trial(evaluated, i, renderer));
+      SCOPED_TRACE(fmt::format("{} {} image {}", c.format, c.evaluated, i));
+      const Trial trial = run_trial(evaluated, i, renderer);
+      expect_same(run_trial(rendered, i, renderer), trial);
+      for (const FeatureTruth& f : trial.frame.truth.target().features)
+        hidden += f.is_hidden_by_other;
     }
+    EXPECT_EQ(hidden > 0, !c.rendered.empty() && c.rendered[0] == kOccluders);
   }
 }
 
@@ -138,7 +170,7 @@ TEST_F(OwnSet, ShowsATransposedRotation) {
     return count;
   };
   const int right = inliers();
-  edit(fs::path(set) / "test/000000/scene_gt.json", [](json& images) {
+  edit_truth(set, [](json& images) {
     for (json& image : images) {
       json& r = image[0]["cam_R_m2c"];
       r = {r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]};
@@ -150,7 +182,7 @@ TEST_F(OwnSet, ShowsATransposedRotation) {
 
 TEST_F(OwnSet, IsRefusedInMetres) {
   const std::string set = render("bop");
-  edit(fs::path(set) / "test/000000/scene_gt.json", [](json& images) {
+  edit_truth(set, [](json& images) {
     for (json& image : images) {
       for (json& t : image[0]["cam_t_m2c"]) t = 1e-3 * double(t);
     }
@@ -183,7 +215,7 @@ TEST_F(OwnSet, IsEvaluatedAsAnyRunIs) {
   };
   const std::string all = evaluate("all", "");
   EXPECT_EQ(lines_of(all), 1u + 2 * kImages);
-  EXPECT_THAT(all, HasSubstr("\n3,all,test/000000/gray/000003.png,0,3,0,lspe,ok,"));
+  EXPECT_THAT(all, HasSubstr("\n3,all,test/000001/gray/000000.png,1,0,0,lspe,ok,"));
   EXPECT_EQ(evaluate("jobs", "--jobs 2"), all);
   EXPECT_THAT(all, testing::StartsWith(evaluate("two", "--trials 2")));
   evaluate("a", "--shard 0/2");
@@ -349,6 +381,32 @@ TEST_F(ForeignSet, HasItsPosesOfTheAxesOfTheFile) {
       poses_[1].rotation, 0.1));
 }
 
+TEST_F(ForeignSet, MustBeOfTheTargetsModel) {
+  const fs::path models = folder_.path() / "set/models";
+  fs::create_directories(models);
+  const std::string name = "set/models/obj_000004.ply";
+  folder_.write(name, ply_bytes(cube_->mesh));
+  EXPECT_EQ(error_now(), "");
+  folder_.write(name, ply_bytes(scaled(cube_, 1e-3)->mesh));  // metres
+  EXPECT_THAT(error_now(), HasSubstr("obj_000004.ply: object 4 fills (-0.0005, -0.0005, -0.0005)"));
+  folder_.write("set/models/models_info.json", R"({"4": {"diameter": 1732, "min_x": -500,
+      "min_y": -500, "min_z": -500, "size_x": 1000, "size_y": 1000, "size_z": 1005}})");
+  EXPECT_EQ(error_now(), "");  // it says so itself
+  folder_.write("set/models/models_info.json", R"({"4": {"diameter": 1732, "min_x": -500,
+      "min_y": -500, "min_z": -500, "size_x": 1000, "size_y": 1000, "size_z": 1030}})");
+  EXPECT_THAT(error_now(), HasSubstr("must agree within 1 %"));
+}
+
+TEST_F(ForeignSet, ObeysTheListOfTargetsInTestSplitsAlone) {
+  folder_.write("set/test_targets_bop19.json",
+                R"([{"scene_id": 5, "im_id": 17, "obj_id": 4, "inst_count": 1}])");
+  EXPECT_EQ(read_sightings(source(), cube_).size(), 1u);
+  fs::rename(scene_.parent_path(), folder_.path() / "set/train_pbr");
+  SightingSource training = source();
+  training.split = "train_pbr";
+  EXPECT_EQ(read_sightings(training, cube_).size(), 2u);
+}
+
 // The left half of the image is all that the mask has of the cube.
 TEST_F(ForeignSet, HidesWhatTheMaskLeavesOut) {
   const std::string toml = "target = 'cube'\nsolvers = ['lspe']\n[dataset]\npath = '" +
@@ -411,6 +469,15 @@ TEST_F(ForeignSet, TakesPriorsFromAFile) {
   const json cell = json::parse(read_whole(folder_.path() / "out/summary.json"))["cells"][0];
   EXPECT_EQ(cell["trials"], 2);
   EXPECT_EQ(cell["failures"], 1);
+
+  near.translation.z() = -10;  // behind the camera nothing is found
+  with_priors.priors = folder_.write("behind.csv", kHeader + line_of(3, 0.9, near));
+  const Outcome behind = evaluate("--object 4 --solvers lspe --quiet --set dataset.priors=" +
+                                  with_priors.priors.string() + "2");
+  EXPECT_THAT(behind.output, HasSubstr("behind.csv2: cannot be read"));
+  fs::remove_all(folder_.path() / "out");
+  evaluate("--object 4 --solvers lspe --quiet --prior " + with_priors.priors.string());
+  EXPECT_THAT(read_whole(folder_.path() / "out/results.csv"), Not(HasSubstr("lspe,ok")));
 
   with_priors.priors = folder_.write("none.csv", kHeader + line_of(4, 1, far));
   EXPECT_THAT(error_of([&] { read_sightings(with_priors, cube_); }),
