@@ -15,11 +15,12 @@
 #include "eval/catalogue_lists.h"
 #include "eval/compare.h"
 #include "eval/doctor.h"
+#include "eval/evaluate/evaluate_command.h"
 #include "eval/image_set/render_command.h"
 #include "eval/interrupt.h"
 #include "eval/output_folder.h"
 #include "eval/run.h"
-#include "eval/shard.h"
+#include "eval/run_command.h"
 #include "eval/table.h"
 #include "eval/target_report.h"
 #include "scenes/input_error.h"
@@ -30,7 +31,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kRegressionExit = 3;
-constexpr int kSomeTrialsNotRunExit = 4;
 constexpr int kPilotTrials = 100;  // a condition
 
 // results/<study>, or the first of results/<study>-2, -3, ... that is free.
@@ -44,52 +44,19 @@ fs::path free_folder(const std::string& study) {
   return folder;
 }
 
-void print_result(const Study& study, const RunResult& result, const fs::path& out) {
-  std::cout << to_table(study, result.summary)
-            << "\nreport: " << fs::absolute(out / "report.html").string() << "\n";
-}
-
-// What a user should know of a result that is whole but for its figures.
-void print_note(const RunResult& result) {
-  if (!result.figures_note.empty()) std::cerr << "sightline: " << result.figures_note << "\n";
-}
-
-int exit_code_of(const RunResult& result) {
-  if (result.failed_trials == 0) return 0;
-  std::cerr << fmt::format("sightline: {} of {} trials could not be imaged (see results.csv)\n",
-                           result.failed_trials, result.trials);
-  return kSomeTrialsNotRunExit;
-}
-
 struct StudyArguments {
   std::string study;
-  StudyOverrides overrides;
-  std::string out;
-  int jobs = 1;
-  std::string shard;
-  std::string gl = "none";
-  bool is_resumed = false;
+  RunArguments run;
   double planned_width = 0;  // relative half-width of the means' intervals; 0: run the study
-  bool is_quiet = false;
 };
-
-RunOptions run_options(const StudyArguments& arguments) {
-  RunOptions options;
-  options.jobs = arguments.jobs;
-  options.is_resumed = arguments.is_resumed;
-  options.show_progress = !arguments.is_quiet;
-  options.renderer.gl = gl_choice(arguments.gl).value();
-  options.shard = chosen_shard(arguments.shard, !arguments.is_quiet);
-  return options;
-}
 
 // Says how many trials a condition needs for intervals so wide, from a pilot of few.
 int plan_command(const StudyArguments& arguments) {
   remember_interrupts();
-  StudyOverrides overrides = arguments.overrides;
+  StudyOverrides overrides = arguments.run.overrides;
   if (!overrides.trials) overrides.trials = kPilotTrials;
   const Study study = read_study(arguments.study, overrides);
-  RunOptions options = run_options(arguments);
+  RunOptions options = run_options(arguments.run);
   options.out = fs::temp_directory_path() / fmt::format("sightline-plan-{}", getpid());
   const Summary summary = run_pilot(study, options);
   std::cout << plan_table(study, summary, arguments.planned_width);
@@ -99,18 +66,10 @@ int plan_command(const StudyArguments& arguments) {
 int run_study_command(const StudyArguments& arguments, const std::string& command) {
   if (arguments.planned_width > 0) return plan_command(arguments);
   remember_interrupts();
-  const Study study = read_study(arguments.study, arguments.overrides);
-  RunOptions options = run_options(arguments);
-  options.out = arguments.out.empty() ? free_folder(study.name) : fs::path(arguments.out);
-  options.command = command;
-  const RunResult result = run_study(study, options);
-  if (!arguments.is_quiet && result.resumed_trials > 0) {
-    std::cerr << fmt::format("resumed: {} of {} trials were there\n", result.resumed_trials,
-                             result.trials);
-  }
-  if (!arguments.is_quiet) print_result(study, result, options.out);
-  print_note(result);
-  return exit_code_of(result);
+  const Study study = read_study(arguments.study, arguments.run.overrides);
+  const fs::path out =
+      arguments.run.out.empty() ? free_folder(study.name) : fs::path(arguments.run.out);
+  return run_command(study, arguments.run, out, command);
 }
 
 // Who draws: our own rasteriser unless OpenGL is asked for.
@@ -128,31 +87,20 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
   sub->add_option("study", arguments->study, "Name (see `sightline list studies`) or a .toml file")
       ->required();
   CLI::Option* out =
-      sub->add_option("--out", arguments->out,
+      sub->add_option("--out", arguments->run.out,
                       "Folder for the results [results/<study>, or -2, -3, ... if that exists]");
-  sub->add_flag("--resume", arguments->is_resumed,
-                "Continue what a run into --out left that was killed or failed; begin where there "
-                "is none. Finished trials then outlive an interrupt too")
-      ->needs(out);
-  sub->add_option("--trials", arguments->overrides.trials,
+  sub->add_option("--trials", arguments->run.overrides.trials,
                   "Trials of each condition, instead of the study's");
-  sub->add_option("--seed", arguments->overrides.seed, "Seed of all random draws")
-      ->check(CLI::NonNegativeNumber);
-  sub->add_option("--jobs", arguments->jobs, "Processes to run at once")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  sub->add_option("--shard", arguments->shard,
-                  "Only trials with number mod N = I: I/N, auto or auto/N (from the engine)");
-  sub->add_option("--set", arguments->overrides.set,
+  sub->add_option("--set", arguments->run.overrides.set,
                   "key=value over the study's file, for example noise.scale=2; may be repeated")
       ->allow_extra_args(false);
-  add_gl(*sub, arguments->gl);
+  add_run_options(*sub, out, arguments->run);
+  add_gl(*sub, arguments->run.gl);
   sub->add_option("--plan", arguments->planned_width,
                   "Only say how many trials a condition needs for 95 % intervals of the means of "
                   "+- this part of them (0.05: 5 %), from a pilot of --trials [100] each")
       ->check(CLI::Range(1e-6, 1.0))
       ->excludes(out);
-  sub->add_flag("--quiet", arguments->is_quiet, "No progress and no table");
   sub->callback(
       [arguments, command, &exit_code] { exit_code = run_study_command(*arguments, command); });
 }
@@ -267,6 +215,7 @@ void add_doctor(CLI::App& app) {
 void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_study(app, command, exit_code);
   add_render(app, exit_code);
+  add_evaluate(app, command, exit_code);
   add_score(app);
   add_merge(app, command, exit_code);
   add_report(app);

@@ -74,6 +74,8 @@ class Line {
 using Names = std::span<const std::string_view>;
 
 constexpr std::array<std::string_view, 2> kTrial{"trial", "condition"};
+// Of a trial whose image is a data set's.
+constexpr std::array<std::string_view, 4> kSighting{"image", "scene_id", "im_id", "gt_id"};
 constexpr std::array<std::string_view, 2> kSolver{"solver", "status"};
 constexpr std::array<std::string_view, 8> kErrors{
     "theta_error_deg", "t_error_percent", "geodesic_deg", "reprojection_rms_px",
@@ -154,6 +156,10 @@ void write_condition(Line& line, const Condition& condition, const std::set<std:
   }
 }
 
+void write_sighting(Line& line, const Sighting& sighting) {
+  line << sighting.image << sighting.scene_id << sighting.im_id << sighting.gt_id;
+}
+
 void write_estimate(Line& line, const TrialRecord& trial, const Counts& counts,
                     const EstimateRecord& estimate) {
   line << estimate.solver << estimate.status;
@@ -189,12 +195,14 @@ void write_orientation_csv(const Study& study, const TrialSource& trials, std::o
 void write_csv(const Study& study, const TrialSource& trials, std::ostream& out) {
   if (study.kind == StudyKind::kOrientation) return write_orientation_csv(study, trials, out);
   const std::set<std::string> keys = condition_keys(study);
-  out << header(keys, {kSolver, kErrors, kCounts, kPose, kTruePose});
+  const Names sighting_columns = study.sightings ? Names(kSighting) : Names();
+  out << header(keys, {sighting_columns, kSolver, kErrors, kCounts, kPose, kTruePose});
   trials([&](const TrialRecord& trial) {
     const Counts counts = count_observations(trial);
     for (const EstimateRecord& estimate : trial.estimates) {
       Line line;
       write_condition(line, study.conditions[trial.condition], keys, trial);
+      if (study.sightings) write_sighting(line, study.sighting_of(trial.trial));
       write_estimate(line, trial, counts, estimate);
       out << std::move(line).end();
     }

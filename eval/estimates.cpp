@@ -181,12 +181,12 @@ std::vector<EstimateRecord> estimates_of(const Study& study, const FoundPoints& 
   return estimates;
 }
 
-std::vector<EstimateRecord> failed_estimates(const Study& study) {
+std::vector<EstimateRecord> failed_estimates(const Study& study, const std::string& reason) {
   std::vector<EstimateRecord> estimates;
   for (const std::string& name : study.solver_names()) {
     EstimateRecord& estimate = estimates.emplace_back();
     estimate.solver = name;
-    estimate.status = "not imaged";
+    estimate.status = reason;
   }
   return estimates;
 }

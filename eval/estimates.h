@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "eval/records.h"
@@ -20,7 +21,7 @@ struct FoundPoints {
 std::vector<EstimateRecord> estimates_of(const Study& study, const FoundPoints& found,
                                          const TrialRecord& record);
 
-/// The estimates of a trial without observations: every solver failed.
-std::vector<EstimateRecord> failed_estimates(const Study& study);
+/// The estimates of a trial without observations: every solver failed, for that reason.
+std::vector<EstimateRecord> failed_estimates(const Study& study, const std::string& reason);
 
 }  // namespace sightline

@@ -155,7 +155,7 @@ TrialRecord run_numeric_trial(const Study& study, int64_t index) {
   record.true_cam_from_target = drawn_pose(study.poses, pose_stream);
   record.observations = project_features(study, record.true_cam_from_target);
   if (record.observations.empty()) {
-    record.estimates = failed_estimates(study);
+    record.estimates = failed_estimates(study, "not imaged");
     return record;
   }
   if (study.start == Start::kPrior) {

@@ -359,8 +359,9 @@ RunResult run_into(OutputFolder& folder, Store& store, const Study& study,
   manifest["jobs"] = options.jobs;
   manifest["shard"] = fmt::format("{}/{}", options.shard.index, options.shard.count);
   if (resumed_trials > 0) manifest["resumed_trials"] = resumed_trials;
-  if (study.kind == StudyKind::kImages)
+  if (study.kind == StudyKind::kImages && !study.sightings) {
     manifest["renderer"] = Renderer(options.renderer).description();
+  }
 
   RunResult result = write_results(study, store, manifest, folder);
   result.resumed_trials = resumed_trials;

@@ -79,7 +79,8 @@ double typical_noise_sd_grey(const SceneLaw& law) {
   return middle(law.gain) * law.noise_scale * std::hypot(read, photon);
 }
 
-void read_extraction(const TomlTable& table, ImageSetup& setup) {
+// A data set's frames are not drawn by a law that would say their noise.
+void read_extraction(const TomlTable& table, bool is_noise_known, ImageSetup& setup) {
   setup.extractors.line_intersection = read_extractor(
       table, "line_intersection", FeatureKind::kLineIntersection, "hough_intersection");
   setup.extractors.corner =
@@ -93,8 +94,9 @@ void read_extraction(const TomlTable& table, ImageSetup& setup) {
         removal == "known_light" ? BiasRemoval::kKnownLight : BiasRemoval::kWrongLight;
   }
   ExtractorOptions& options = setup.extractor_options;
-  options.search.noise_sd_grey =
-      table.number("noise_sd_grey", {0, 255}, typical_noise_sd_grey(setup.scene));
+  double& noise = options.search.noise_sd_grey;
+  if (is_noise_known) noise = typical_noise_sd_grey(setup.scene);
+  noise = table.number("noise_sd_grey", {0, 255}, noise);
   options.window_half_px =
       static_cast<int>(table.integer("window_half_px", {4, 512}, options.window_half_px));
   LabelLimits& limits = setup.limits;
@@ -171,9 +173,16 @@ void require_file_name(const TomlTable& table, const std::string& name) {
 
 ImageSetup read_setup(const TomlTable& table, const Study& study) {
   ImageSetup setup;
-  setup.scene = read_scene_law(table, study.target, study.features);
+  const bool is_drawn = study.sightings == nullptr;
+  setup.scene =
+      is_drawn ? read_scene_law(table, study.target, study.features) : dataset_scene(table, study);
   setup.prior = read_prior(table.table("prior"));
-  read_extraction(table.table("extraction"), setup);
+  const TomlTable extraction = table.table("extraction");
+  read_extraction(extraction, is_drawn, setup);
+  if (!is_drawn && setup.bias_removal != BiasRemoval::kOff) {
+    extraction.fail("bias_removal",
+                    "needs a rendered image: of a data set's nobody knows the light");
+  }
   return setup;
 }
 
@@ -183,23 +192,24 @@ struct SweptKey {
   std::vector<std::string> values;
 };
 
-// Tables of an image study whose keys can be swept.
+// Tables of an image study whose keys can be swept, and of one whose images are a data set's.
+const std::vector<std::string> kSweptOfDataset = {"prior", "extraction"};
 const std::vector<std::string> kSweptTables = {"camera", "poses", "image",     "background",
                                                "noise",  "light", "livery",    "motion",
                                                "other",  "prior", "extraction"};
 
-std::vector<SweptKey> read_sweep(const TomlTable& sweep) {
+std::vector<SweptKey> read_sweep(const TomlTable& sweep, const std::vector<std::string>& tables) {
   constexpr size_t kMostCells = 10'000;
   std::vector<SweptKey> swept;
   size_t cells = 1;
   for (const std::string& key : sweep.keys()) {
     const std::string table = key.substr(0, key.find('.'));
-    const bool is_known = table != key && std::find(kSweptTables.begin(), kSweptTables.end(),
-                                                    table) != kSweptTables.end();
+    const bool is_known =
+        table != key && std::find(tables.begin(), tables.end(), table) != tables.end();
     if (!is_known || key == "poses.fixed") {
       sweep.fail(key, fmt::format("cannot be swept, must be a quoted key of [{}], such as "
-                                  "\"background.level\"",
-                                  fmt::join(kSweptTables, "], [")));
+                                  "\"prior.attitude_deg\"",
+                                  fmt::join(tables, "], [")));
     }
     swept.push_back({key, sweep.literals(key)});
     cells *= swept.back().values.size();
@@ -231,11 +241,12 @@ std::vector<std::vector<SweptValue>> combinations(const std::vector<SweptKey>& s
 }
 
 // [sweep] is one sweep, [[sweep]] several, whose cells follow each other.
-std::vector<std::vector<SweptValue>> read_sweeps(const TomlTable& table) {
-  if (!table.is_array("sweep")) return combinations(read_sweep(table.table("sweep")));
+std::vector<std::vector<SweptValue>> read_sweeps(const TomlTable& table,
+                                                 const std::vector<std::string>& tables) {
+  if (!table.is_array("sweep")) return combinations(read_sweep(table.table("sweep"), tables));
   std::vector<std::vector<SweptValue>> cells;
   for (const TomlTable& sweep : table.tables("sweep")) {
-    for (auto& cell : combinations(read_sweep(sweep))) cells.push_back(std::move(cell));
+    for (auto& cell : combinations(read_sweep(sweep, tables))) cells.push_back(std::move(cell));
   }
   return cells;
 }
@@ -318,7 +329,8 @@ void reject_unknown_scene_keys(const TomlTable& table) {
 
 // A set-up for every cell of the sweeps.
 void read_setups(const TomlTable& table, Study& study) {
-  const std::vector<std::vector<SweptValue>> cells = read_sweeps(table);
+  const std::vector<std::vector<SweptValue>> cells =
+      read_sweeps(table, study.sightings ? kSweptOfDataset : kSweptTables);
   SweptKeys keys;
   for (const auto& cell : cells) {
     for (const SweptValue& swept : cell) {
@@ -348,6 +360,10 @@ void read_image_study(const TomlTable& table, Use use, Study& study) {
   if (use == Use::kTrials || table.has("solvers")) read_solvers(table, "prior", study);
   study.target = read_target(table);
   read_features(table, use, study);
+  if (table.has("dataset")) {
+    if (use == Use::kRendering) table.fail("dataset", "has its images already");
+    read_dataset(table, study);
+  }
   read_setups(table, study);
   read_setup(table, study);  // the keys as they stand are checked, though all be swept
   study.camera = study.setups.front().scene.camera;
@@ -399,12 +415,17 @@ Study read_file(const std::string& name_or_path, const StudyOverrides& overrides
   const std::filesystem::path file = find_study_file(name_or_path);
   std::vector<std::string> settings = settings_of(overrides);
   const TomlTable as_written = TomlTable::read_file(file, settings);
-  // The study as run stands on its own: it says its name, and where a target beside it lies.
+  // The study as run stands on its own: it says its name, and where what lies beside it is.
   if (!as_written.has("name")) settings.push_back(fmt::format("name='{}'", file.stem().string()));
+  const auto place_beside = [&](const std::string& key, const std::filesystem::path& given) {
+    const std::filesystem::path beside = std::filesystem::absolute(file).parent_path() / given;
+    if (given.empty() || !given.is_relative() || !std::filesystem::exists(beside)) return;
+    settings.push_back(fmt::format("{}='{}'", key, beside.lexically_normal().string()));
+  };
   const std::filesystem::path target = as_written.text("target", "");
-  const std::filesystem::path beside = std::filesystem::absolute(file).parent_path() / target;
-  if (target.is_relative() && target.has_extension() && std::filesystem::exists(beside)) {
-    settings.push_back(fmt::format("target='{}'", beside.lexically_normal().string()));
+  if (target.has_extension()) place_beside("target", target);
+  for (const char* key : {"path", "priors"}) {
+    place_beside(fmt::format("dataset.{}", key), as_written.table("dataset").text(key, ""));
   }
   return read_table(TomlTable::read_file(file, settings), file.stem(), use);
 }
@@ -485,8 +506,10 @@ Study read_scene(const std::string& name_or_path, const StudyOverrides& override
   return read_file(name_or_path, overrides, Use::kRendering);
 }
 
-Study read_study_text(const std::string& toml, const std::filesystem::path& source) {
-  return read_table(TomlTable::read_text(toml, source), source.stem(), Use::kTrials);
+Study read_study_text(const std::string& toml, const std::filesystem::path& source,
+                      const StudyOverrides& overrides) {
+  return read_table(TomlTable::read_text(toml, source, settings_of(overrides)), source.stem(),
+                    Use::kTrials);
 }
 
 Study read_scene_text(const std::string& toml, const std::filesystem::path& source,

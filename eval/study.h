@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/evaluate/sightings.h"
 #include "eval/labels.h"
 #include "eval/outlier_model.h"
 #include "features/extractor.h"
@@ -23,7 +24,7 @@ namespace sightline {
 
 /// Where a study's trials begin.
 enum class StudyKind {
-  kImages,       ///< at a scene that is rendered
+  kImages,       ///< at a scene that is rendered, or at an image of a data set
   kNumeric,      ///< at observations: exact projections, noise and planted outliers
   kOrientation,  ///< at matched points in two frames, for the absolute orientation
 };
@@ -136,6 +137,9 @@ struct Study {
   std::shared_ptr<const Target> target;
   std::vector<int> features;       ///< indices into the target's features
   std::vector<ImageSetup> setups;  ///< of an image study: one, or one for every swept value
+  /// Of an image study that renders nothing: the images of a data set, one a draw. Else null.
+  std::shared_ptr<const std::vector<Sighting>> sightings;
+  bool has_given_priors = false;  ///< the sightings have them, as far as there are any
   Camera camera;                   ///< of a numeric study; of the first set-up
   PriorError prior;                ///< alike
   Start start = Start::kPrior;
@@ -152,9 +156,17 @@ struct Study {
   std::string toml;  ///< the file as run, overrides applied
 
   const ImageSetup& setup_of(int condition) const { return setups[conditions[condition].setup]; }
-  /// The camera of a cell's trials.
+  /// The camera of a cell's trials; where their images are a data set's, of its first.
   const Camera& camera_of(int condition) const {
     return setups.empty() ? camera : setup_of(condition).scene.camera;
+  }
+  /// The camera of one trial of the cell.
+  const Camera& camera_of(int condition, int64_t trial) const {
+    return sightings ? sighting_of(trial).camera : camera_of(condition);
+  }
+  /// What a trial shows whose image is a data set's.
+  const Sighting& sighting_of(int64_t trial) const {
+    return (*sightings)[static_cast<size_t>(draw_of(trial))];
   }
 
   /// The names of the solvers or, in an orientation study, of the methods.
@@ -183,8 +195,9 @@ struct StudyOverrides {
 /// or cannot be imaged.
 Study read_study(const std::string& name_or_path, const StudyOverrides& overrides = {});
 
-/// A study from its text as run; `source` stands for the file in errors.
-Study read_study_text(const std::string& toml, const std::filesystem::path& source);
+/// A study from its text; `source` stands for the file in errors.
+Study read_study_text(const std::string& toml, const std::filesystem::path& source,
+                      const StudyOverrides& overrides = {});
 
 /// What a scene file says, to be rendered only: as a study of images, but it needs no solvers, and
 /// its target no features. A study's name or file is one too.

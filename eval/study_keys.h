@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // How the keys of a study's file are read: what the kinds of study share (study.cpp), and the
-// readers of those that draw no images (numeric_study.cpp). For read_study alone.
+// readers of those that draw no images (numeric_study.cpp) or take them from a data set
+// (evaluate/dataset_keys.cpp). For read_study alone.
 #pragma once
 
 #include "eval/study.h"
@@ -28,6 +29,12 @@ void read_solvers(const TomlTable& table, const std::string& default_start, Stud
 
 /// The target and its features.
 void read_target_and_features(const TomlTable& table, Study& study);
+
+/// Of a study with [dataset]: its images, and as many trials as there are of them unless the file
+/// says how many. The target must have been read.
+void read_dataset(const TomlTable& table, Study& study);
+/// What is known of the scenes of its images.
+SceneLaw dataset_scene(const TomlTable& table, const Study& study);
 
 void read_numeric_study(const TomlTable& table, Study& study);
 void read_orientation_study(const TomlTable& table, Study& study);

@@ -85,7 +85,7 @@ std::optional<TrialBound> bound_of(const Study& study, const Positions& position
     const double sd_px = std::max(noise_px.at(o.feature), kLeastNoisePx);
     covariances_px2.push_back(sd_px * sd_px * Eigen::Matrix2d::Identity());
   }
-  const auto bound = cramer_rao_bound(study.camera_of(trial.condition), points,
+  const auto bound = cramer_rao_bound(study.camera_of(trial.condition, trial.trial), points,
                                       trial.true_cam_from_target, covariances_px2);
   if (!bound) return std::nullopt;
   constexpr double kDegree = std::numbers::pi / 180;

@@ -128,7 +128,8 @@ std::optional<int64_t> trials_needed(const CellSummary& cell, double target);
 std::string to_json(const Study& study, const Summary& summary);
 
 /// Writes results.csv: one row a trial and solver, by trial and then in the study's order; no wall
-/// times. RFC 4180 but for its line ends, which are "\n". A failed trial's numbers are empty
+/// times. Of a data set's image also its path in the set, scene_id, im_id and gt_id (see Sighting).
+/// RFC 4180 but for its line ends, which are "\n". A failed trial's numbers are empty
 /// fields, but for the removals, which count as in CellSummary. Quaternions are scalar first.
 void write_csv(const Study& study, const TrialSource& trials, std::ostream& out);
 

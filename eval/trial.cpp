@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/trial.h"
 
+#include <optional>
 #include <utility>
 
 #include "eval/estimates.h"
+#include "eval/evaluate/set_frame.h"
 #include "eval/labels.h"
 #include "eval/passes.h"
 
@@ -52,6 +54,36 @@ std::vector<ObservationRecord> compare_with_truth(const Study& study, const Tria
   return records;
 }
 
+// Scene and frame of a trial, drawn and rendered. Returns why there is none; empty where there is.
+std::string render_frame(const Study& study, Renderer& renderer, Trial& trial) {
+  const Condition& condition = study.conditions[trial.record.condition];
+  const int64_t draw = study.draw_of(trial.record.trial);
+  const DrawnScene drawn =
+      draw_scene(study.setups[condition.setup].scene, condition.pose, study.seed, draw);
+  trial.scene = drawn.scene;
+  trial.record.redraws = drawn.redraws;
+  if (!drawn.is_imageable) return "not imaged";
+  trial.frame = renderer.render(trial.scene, RandomStream(study.seed, "sensor", draw));
+  return "";
+}
+
+// The same from a data set.
+std::string read_frame(const Study& study, Trial& trial) {
+  SetFrame shown = read_set_frame(study, study.setup_of(trial.record.condition),
+                                  study.sighting_of(trial.record.trial));
+  trial.scene = std::move(shown.scene);
+  if (shown.problem.empty()) trial.frame = std::move(shown.frame);
+  return shown.problem;
+}
+
+// The prior of a trial with a scene: drawn about the truth, or given; none where there is none.
+std::optional<Pose> prior_for(const Study& study, const Trial& trial) {
+  if (study.has_given_priors) return study.sighting_of(trial.record.trial).prior_cam_from_target;
+  RandomStream stream(study.seed, "prior", study.draw_of(trial.record.trial));
+  return draw_prior(trial.scene.cam_from_target, trial.scene.camera,
+                    study.setup_of(trial.record.condition).prior, stream);
+}
+
 }  // namespace
 
 Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
@@ -59,23 +91,18 @@ Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
   TrialRecord& record = trial.record;
   record.trial = index;
   record.condition = study.condition_of(index);
-  const ImageSetup& setup = study.setup_of(record.condition);
-  const int64_t draw = study.draw_of(index);
-
-  const DrawnScene drawn =
-      draw_scene(setup.scene, study.conditions[record.condition].pose, study.seed, draw);
-  trial.scene = drawn.scene;
-  record.redraws = drawn.redraws;
-  record.true_cam_from_target = drawn.scene.cam_from_target;
-  if (!drawn.is_imageable) {
-    record.estimates = failed_estimates(study);
+  std::string problem =
+      study.sightings ? read_frame(study, trial) : render_frame(study, renderer, trial);
+  record.true_cam_from_target = trial.scene.cam_from_target;
+  if (problem.empty()) {
+    const std::optional<Pose> prior = prior_for(study, trial);
+    if (prior) record.prior_cam_from_target = *prior;
+    if (!prior) problem = "no prior";
+  }
+  if (!problem.empty()) {
+    record.estimates = failed_estimates(study, problem);
     return trial;
   }
-  trial.frame = renderer.render(trial.scene, RandomStream(study.seed, "sensor", draw));
-
-  RandomStream prior_stream(study.seed, "prior", draw);
-  record.prior_cam_from_target =
-      draw_prior(record.true_cam_from_target, trial.scene.camera, setup.prior, prior_stream);
   extract_and_solve(study, trial, renderer);
   return trial;
 }

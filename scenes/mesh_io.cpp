@@ -245,6 +245,7 @@ LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::p
   if (loaded.mesh.triangles.empty()) {
     throw InputError(fmt::format("{}: all its triangles are degenerate", file.string()));
   }
+  loaded.target_from_file = target_from_file;
   return loaded;
 }
 

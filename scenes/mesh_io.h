@@ -31,6 +31,8 @@ struct CleaningSummary {
 struct LoadedMesh {
   Mesh mesh;
   CleaningSummary cleaning;
+  /// Turns the file's axes into the target's; the unit is not in it.
+  Eigen::Matrix3d target_from_file = Eigen::Matrix3d::Identity();
 };
 
 /// Reads a mesh: .glb and .gltf through tinygltf, all else through Assimp, in a child process with

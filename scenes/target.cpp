@@ -123,7 +123,7 @@ std::shared_ptr<const Target> make_target(std::string name, std::string descript
   std::vector<FeatureShape> shapes = feature_shapes(loaded.mesh, features);
   return std::make_shared<const Target>(
       Target{std::move(name), std::move(description), std::move(loaded.mesh), loaded.cleaning,
-             std::move(features), std::move(occluder), std::move(shapes)});
+             std::move(features), std::move(occluder), std::move(shapes), loaded.target_from_file});
 }
 
 }  // namespace
@@ -136,7 +136,7 @@ bool is_self_hidden(const Target& target, const TargetFeature& feature,
 
 std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target, double factor) {
   if (factor == 1) return target;
-  LoadedMesh loaded{target->mesh, target->cleaning};
+  LoadedMesh loaded{target->mesh, target->cleaning, target->target_from_file};
   for (Eigen::Vector3d& vertex : loaded.mesh.vertices) vertex *= factor;
   std::vector<TargetFeature> features = target->features;
   for (TargetFeature& feature : features) {

@@ -23,6 +23,8 @@ struct Target {
   std::vector<TargetFeature> features;
   Occluder occluder;
   std::vector<FeatureShape> shapes = {};  ///< of the mesh around each feature, in their order
+  /// Turns the axes of the mesh's file into the target's; the unit is not in it.
+  Eigen::Matrix3d target_from_file = Eigen::Matrix3d::Identity();
 };
 
 /// True when the target's own mesh hides the feature from the camera.

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <functional>
 #include <numbers>
 #include <set>
 
@@ -30,27 +28,6 @@ constexpr double kSymmetryStep = 0.01;       // of the diameter
 
 using RowWise3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowWise4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
-
-// Calls `use` with the file's JSON; what it lacks is an InputError that names the file.
-void with_json(const fs::path& file, const std::function<void(const Json&)>& use) {
-  std::ifstream stream(file);
-  if (!stream) throw InputError(fmt::format("{}: is missing or cannot be read", file.string()));
-  try {
-    use(Json::parse(stream));
-  } catch (const Json::exception& error) {
-    throw InputError(fmt::format("{}: is not as BOP has it: {}", file.string(), error.what()));
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: {}", file.string(), error.what()));
-  }
-}
-
-std::vector<double> numbers(const Json& json, std::string_view key, size_t count) {
-  const auto values = json.at(std::string(key)).get<std::vector<double>>();
-  const bool is_finite =
-      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-  if (values.size() == count && is_finite) return values;
-  throw InputError(fmt::format("{} has {} numbers, must have {}", key, values.size(), count));
-}
 
 int whole_number(const std::string& text) {
   int value = -1;
@@ -76,8 +53,8 @@ std::vector<Pose> continuous_symmetries(const Json& info) {
   if (!info.contains("symmetries_continuous")) return poses;
   const int steps = static_cast<int>(std::ceil(std::numbers::pi / kSymmetryStep));
   for (const Json& symmetry : info["symmetries_continuous"]) {
-    const Eigen::Vector3d axis(numbers(symmetry, "axis", 3).data());
-    const Eigen::Vector3d offset(numbers(symmetry, "offset", 3).data());
+    const Eigen::Vector3d axis(numbers_in(symmetry, "axis", 3).data());
+    const Eigen::Vector3d offset(numbers_in(symmetry, "offset", 3).data());
     if (axis.isZero()) throw InputError("symmetries_continuous has an axis of no length");
     for (int i = 0; i < steps; ++i) {
       const double angle_rad = 2 * std::numbers::pi * i / steps;
@@ -100,10 +77,8 @@ std::vector<Pose> symmetries_of(const Json& info) {
 }
 
 std::map<int, BopModel> read_models(const fs::path& folder) {
-  const fs::path evaluated = folder / "models_eval";
-  const fs::path models_folder = fs::exists(evaluated) ? evaluated : folder / "models";
   std::map<int, BopModel> models;
-  with_json(models_folder / "models_info.json", [&](const Json& infos) {
+  with_json(folder / "models_info.json", [&](const Json& infos) {
     for (const auto& [key, info] : infos.items()) {
       BopModel& model = models[whole_number(key)];
       model.diameter_mm = info.at("diameter").get<double>();
@@ -112,7 +87,7 @@ std::map<int, BopModel> read_models(const fs::path& folder) {
     }
   });
   for (auto& [id, model] : models) {
-    model.mesh_mm = read_ply_as_it_is(models_folder / fmt::format("obj_{:06}.ply", id));
+    model.mesh_mm = read_ply_as_it_is(folder / fmt::format("obj_{:06}.ply", id));
     model.points_mm.resize(3, static_cast<Eigen::Index>(model.mesh_mm.vertices.size()));
     for (size_t i = 0; i < model.mesh_mm.vertices.size(); ++i) {
       model.points_mm.col(static_cast<Eigen::Index>(i)) = model.mesh_mm.vertices[i];
@@ -133,7 +108,7 @@ fs::path split_folder(const fs::path& folder, const std::string& split) {
   }
   if (found.size() == 1) return found.front();
   throw InputError(fmt::format("{}: is no folder{}", named.string(),
-                               found.empty() ? "" : "; say --split which one is meant"));
+                               split.empty() ? "; say --split which one is meant" : ""));
 }
 
 using ImageId = std::pair<int, int>;  // scene, image
@@ -162,30 +137,20 @@ std::set<int> scenes_in(const fs::path& split) {
   return scenes;
 }
 
-// A picture of an image, whatever its format; empty where there is none.
-fs::path picture_file(const fs::path& scene, std::string_view kind, int im_id) {
-  for (const char* extension : {"png", "tif", "tiff", "jpg"}) {
-    fs::path file = scene / kind / fmt::format("{:06}.{}", im_id, extension);
-    if (fs::exists(file)) return file;
-  }
-  return {};
-}
-
-int width_of(const fs::path& scene, int im_id) {
+int width_of(const BopImage& image) {
   for (const char* kind : {"rgb", "gray", "depth"}) {
-    const fs::path file = picture_file(scene, kind, im_id);
+    const fs::path file = bop_picture(image.folder / kind, six_digits(image.im_id));
     const cv::Mat picture = file.empty() ? cv::Mat() : read_picture(file);
     if (!picture.empty()) return picture.cols;
   }
   throw InputError(fmt::format("{}: has no image {}, nor the set a camera.json, to tell the width",
-                               scene.string(), im_id));
+                               image.folder.string(), image.im_id));
 }
 
 // One scene's folder and what is to be read of it.
 class SceneReader {
  public:
-  SceneReader(fs::path folder, int scene_id, int width_px)
-      : folder_(std::move(folder)), scene_id_(scene_id), width_px_(width_px) {}
+  SceneReader(fs::path folder, int scene_id) : folder_(std::move(folder)), scene_id_(scene_id) {}
 
   std::map<int, BopImage> read() {
     with_json(folder_ / "scene_gt.json", [this](const Json& json) { add_truth(json); });
@@ -200,14 +165,15 @@ class SceneReader {
   void add_truth(const Json& json) {
     for (const auto& [key, entries] : json.items()) {
       BopImage& image = images_[whole_number(key)];
+      image.folder = folder_;
       image.scene_id = scene_id_;
       image.im_id = whole_number(key);
       for (const Json& entry : entries) {
         BopInstance instance{.obj_id = entry.at("obj_id").get<int>(), .cam_from_model = {}};
         instance.cam_from_model.rotation =
-            Eigen::Map<const RowWise3>(numbers(entry, "cam_R_m2c", 9).data());
+            Eigen::Map<const RowWise3>(numbers_in(entry, "cam_R_m2c", 9).data());
         instance.cam_from_model.translation =
-            Eigen::Map<const Eigen::Vector3d>(numbers(entry, "cam_t_m2c", 3).data());
+            Eigen::Map<const Eigen::Vector3d>(numbers_in(entry, "cam_t_m2c", 3).data());
         image.instances.push_back(instance);
       }
     }
@@ -216,10 +182,9 @@ class SceneReader {
   void add_cameras(const Json& json) {
     for (auto& [im_id, image] : images_) {
       const Json& camera = json.at(fmt::to_string(im_id));
-      image.k = Eigen::Map<const RowWise3>(numbers(camera, "cam_K", 9).data());
+      image.k = Eigen::Map<const RowWise3>(numbers_in(camera, "cam_K", 9).data());
       image.depth_scale = camera.value("depth_scale", 1.0);
-      image.depth_file = picture_file(folder_, "depth", im_id);
-      image.width_px = width_px_ > 0 ? width_px_ : width_of(folder_, im_id);
+      image.depth_file = bop_picture(folder_ / "depth", six_digits(im_id));
     }
   }
 
@@ -234,7 +199,6 @@ class SceneReader {
 
   fs::path folder_;
   int scene_id_;
-  int width_px_;
   std::map<int, BopImage> images_;
 };
 
@@ -246,62 +210,113 @@ std::map<int, int> visible_objects(const BopImage& image) {
   return counts;
 }
 
-void require_instances(const BopImage& image, const std::map<int, BopModel>& models) {
+void require_instances(const BopImage& image) {
   for (const auto& [obj_id, count] : image.targets) {
     const auto there = std::count_if(image.instances.begin(), image.instances.end(),
                                      [id = obj_id](const auto& i) { return i.obj_id == id; });
-    if (there < count) {
-      throw InputError(fmt::format(
-          "test_targets_bop19.json: asks for {} of object {} in scene {} image {}, which has {}",
-          count, obj_id, image.scene_id, image.im_id, there));
-    }
-    if (!models.contains(obj_id)) {
-      throw InputError(
-          fmt::format("models_info.json: has no object {}, which scene {} image {} has", obj_id,
-                      image.scene_id, image.im_id));
-    }
+    if (there >= count) continue;
+    throw InputError(fmt::format(
+        "test_targets_bop19.json: asks for {} of object {} in scene {} image {}, which has {}",
+        count, obj_id, image.scene_id, image.im_id, there));
   }
 }
 
+void require_models(const BopImage& image, const std::map<int, BopModel>& models) {
+  for (const auto& [obj_id, count] : image.targets) {
+    if (models.contains(obj_id)) continue;
+    throw InputError(fmt::format("models_info.json: has no object {}, which scene {} image {} has",
+                                 obj_id, image.scene_id, image.im_id));
+  }
+}
+
+fs::path models_folder(const fs::path& folder) {
+  const fs::path evaluated = folder / "models_eval";
+  return fs::exists(evaluated) ? evaluated : folder / "models";
+}
+
 }  // namespace
+
+fs::path bop_picture(const fs::path& folder, const std::string& name) {
+  for (const char* extension : {"png", "jpg", "jpeg", "tif", "tiff", "bmp"}) {
+    fs::path file = folder / (name + "." + extension);
+    if (fs::exists(file)) return file;
+  }
+  return {};
+}
 
 std::vector<Pose> bop_symmetries(const std::string& info) {
   return symmetries_of(Json::parse(info));
 }
 
-BopDataset read_bop_dataset(const fs::path& folder, const std::string& split) {
-  if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: is no folder", folder.string()));
-  BopDataset dataset{.models = read_models(folder), .images = {}};
-  const fs::path scenes_folder = split_folder(folder, split);
-  int width_px = 0;
-  if (fs::exists(folder / "camera.json")) {
-    with_json(folder / "camera.json",
-              [&](const Json& camera) { width_px = camera.value("width", 0); });
+std::optional<BopBox> bop_model_box(const fs::path& folder, int obj_id) {
+  const fs::path models = models_folder(folder);
+  const fs::path infos_file = models / "models_info.json";
+  std::optional<BopBox> box;
+  if (fs::exists(infos_file)) {
+    with_json(infos_file, [&](const Json& infos) {
+      const auto info = infos.find(fmt::to_string(obj_id));
+      if (info == infos.end() || !info->contains("min_x")) return;
+      const auto vector = [&info](const std::string& name) {
+        return Eigen::Vector3d(info->at(name + "_x"), info->at(name + "_y"), info->at(name + "_z"));
+      };
+      const Eigen::Vector3d min = vector("min");
+      box = BopBox{{min, min + vector("size")}, infos_file};
+    });
   }
+  const fs::path model_file = models / fmt::format("obj_{:06}.ply", obj_id);
+  if (box || !fs::exists(model_file)) return box;
+  box = BopBox{{}, model_file};
+  for (const Eigen::Vector3d& vertex : read_ply_as_it_is(model_file).vertices) {
+    box->box_mm.extend(vertex);
+  }
+  return box;
+}
+
+std::vector<BopImage> read_bop_images(const fs::path& folder, const std::string& split) {
+  if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: is no folder", folder.string()));
+  const fs::path scenes_folder = split_folder(folder, split);
   const fs::path list = folder / "test_targets_bop19.json";
-  const bool has_list = fs::exists(list);
+  const bool is_test = scenes_folder.filename().string().starts_with("test");
+  const bool has_list = is_test && fs::exists(list);  // it is of no other split
   const Targets targets = has_list ? read_targets(list) : Targets{};
   std::set<int> scenes;
   if (!has_list) scenes = scenes_in(scenes_folder);
   for (const auto& [image, objects] : targets) scenes.insert(image.first);
+  std::vector<BopImage> images;
   for (const int scene_id : scenes) {
-    SceneReader reader(scenes_folder / six_digits(scene_id), scene_id, width_px);
-    for (auto& [im_id, image] : reader.read()) {
+    for (auto& [im_id, image] :
+         SceneReader(scenes_folder / six_digits(scene_id), scene_id).read()) {
       const auto wanted = targets.find({scene_id, im_id});
       if (has_list && wanted == targets.end()) continue;
       image.targets = has_list ? wanted->second : visible_objects(image);
-      require_instances(image, dataset.models);
-      if (!image.targets.empty()) dataset.images.push_back(std::move(image));
+      require_instances(image);
+      if (!image.targets.empty()) images.push_back(std::move(image));
     }
   }
-  const size_t asked = std::count_if(dataset.images.begin(), dataset.images.end(), [&](auto& i) {
+  const size_t asked = std::count_if(images.begin(), images.end(), [&](auto& i) {
     return targets.contains({i.scene_id, i.im_id});
   });
   if (asked < targets.size()) {
     throw InputError(fmt::format("{}: asks for images that scene_gt.json has not", list.string()));
   }
-  if (dataset.images.empty()) {
+  if (images.empty()) {
     throw InputError(fmt::format("{}: has no image with a target", scenes_folder.string()));
+  }
+  return images;
+}
+
+BopDataset read_bop_dataset(const fs::path& folder, const std::string& split) {
+  if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: is no folder", folder.string()));
+  BopDataset dataset{.models = read_models(models_folder(folder)),
+                     .images = read_bop_images(folder, split)};
+  int width_px = 0;
+  if (fs::exists(folder / "camera.json")) {
+    with_json(folder / "camera.json",
+              [&](const Json& camera) { width_px = camera.value("width", 0); });
+  }
+  for (BopImage& image : dataset.images) {
+    require_models(image, dataset.models);
+    image.width_px = width_px > 0 ? width_px : width_of(image);
   }
   return dataset;
 }

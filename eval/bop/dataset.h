@@ -4,10 +4,12 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "pose/pose.h"
 #include "scenes/mesh.h"
@@ -32,9 +34,10 @@ struct BopInstance {
 };
 
 struct BopImage {
+  std::filesystem::path folder;  ///< of its scene
   int scene_id = 0;
   int im_id = 0;
-  int width_px = 0;
+  int width_px = 0;  ///< of read_bop_dataset alone
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
   double depth_scale = 1;            ///< mm a step of the depth
   std::filesystem::path depth_file;  ///< empty where there is none
@@ -52,11 +55,28 @@ struct BopDataset {
 /// in one (Hodan et al., BOP Challenge 2019). `info` is the entry's JSON.
 std::vector<Pose> bop_symmetries(const std::string& info);
 
-/// Reads a data set in BOP's scenewise format, whoever made it: models_eval/ (or models/), and of
-/// the split's scenes scene_camera.json, scene_gt.json and, where there is one, scene_gt_info.json.
+/// The images of a data set in BOP's scenewise format, whoever made it, by scene and image: of the
+/// split's scenes scene_camera.json, scene_gt.json and, where there is one, scene_gt_info.json.
 /// `split` is a folder; empty: "test", or the only one whose name begins so. The targets are those
 /// of test_targets_bop19.json or, without that file, all instances of which a tenth is visible.
 /// Throws InputError, with the file, for whatever is missing or not so.
+std::vector<BopImage> read_bop_images(const std::filesystem::path& folder,
+                                      const std::string& split);
+
+/// The picture of that name in a folder, whatever its format; empty where there is none.
+std::filesystem::path bop_picture(const std::filesystem::path& folder, const std::string& name);
+
+/// The box that an object fills in its own frame, and which file says so.
+struct BopBox {
+  Eigen::AlignedBox3d box_mm;
+  std::filesystem::path file;
+};
+
+/// As models_info.json has it or, where it has not, the model's vertices, in models_eval/ or else
+/// in models/; none where there is neither.
+std::optional<BopBox> bop_model_box(const std::filesystem::path& folder, int obj_id);
+
+/// The same images with all models, of models_eval/ (or models/), which must be there.
 BopDataset read_bop_dataset(const std::filesystem::path& folder, const std::string& split);
 
 }  // namespace sightline

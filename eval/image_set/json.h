@@ -2,10 +2,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <vector>
+
 #include <nlohmann/json.hpp>
 
 namespace sightline {
 
 using Json = nlohmann::ordered_json;
+
+/// Calls `use` with what a file of somebody's holds. Throws InputError, with the file, where it is
+/// missing, is no JSON, or lacks what `use` asks it for.
+void with_json(const std::filesystem::path& file, const std::function<void(const Json&)>& use);
+
+/// The finite numbers of an array of that length; throws InputError where it is none.
+std::vector<double> numbers_in(const Json& json, const std::string& key, size_t count);
 
 }  // namespace sightline

@@ -44,7 +44,7 @@ found, and the target’s outline at each solver’s pose. The tables state the 
 {{#frames}}
 <article class="frame" id="{{id}}" aria-labelledby="{{id}}-title">
 <h3 id="{{id}}-title">{{caption}}</h3>
-<p class="given">{{condition}}Trial {{trial}}. True pose: <i>θ</i> = {{theta}}°, <i>T</i> = {{t}} m.
+<p class="given">{{condition}}Trial {{trial}}{{image}}. True pose: <i>θ</i> = {{theta}}°, <i>T</i> = {{t}} m.
 {{reduction}}</p>
 <div class="evidence">
 {{#has_image}}
@@ -286,10 +286,10 @@ mustache::data frame_section(const Study& study, const FrameEvidence& frame, siz
   return mustache::object{
       {"id", id},
       {"caption", frame.caption},
-      {"alt",
-       fmt::format("{}: the rendered target with windows, features and outlines", frame.caption)},
+      {"alt", fmt::format("{}: the target with windows, features and outlines", frame.caption)},
       {"condition", has_conditions ? study.conditions[record.condition].label + ". " : ""},
       {"trial", fmt::to_string(record.trial)},
+      {"image", study.sightings ? ", " + study.sighting_of(record.trial).image : ""},
       {"theta", triple(attitude_deg(record.true_cam_from_target.rotation), 1)},
       {"t", triple(record.true_cam_from_target.translation, 2)},
       {"reduction", reduction_text(picture)},

@@ -25,8 +25,8 @@ constexpr const char* kTemplate = R"html(
 options changed.{{#has_typed}} What was typed: <code>{{typed}}</code>{{/has_typed}}</p>
 <p>Every trial depends on the study, the seed and its own number alone, so that the number of
 processes and of shards does not matter. On one machine results.csv and summary.json repeat byte
-for byte{{#images}}; on
-another type of processor the images may differ in the last grey level{{/images}}.{{#timed}} Times do
+for byte{{#rendered}}; on
+another type of processor the images may differ in the last grey level{{/rendered}}.{{#timed}} Times do
 not repeat: they stand in timings.csv alone.{{/timed}}</p>
 <h3>Conventions</h3>
 <ul>
@@ -116,7 +116,7 @@ mustache::data facts_of(const ReportInput& input) {
   // Stated from the study itself, and where it says how to repeat the run.
   for (const char* key : {"study", "trials", "command"}) rest.erase(key);
   add_fact(facts, "trials", fmt::to_string(input.trials.size()));
-  if (input.study.kind == StudyKind::kImages) {
+  if (input.study.kind == StudyKind::kImages && !input.study.sightings) {
     add_fact(facts, "poses drawn anew", fmt::to_string(redraws(input.trials)));
   }
   for (const auto& [key, value] : rest) add_fact(facts, words(key), value);
@@ -144,6 +144,7 @@ std::string provenance_figure(const ReportInput& input) {
       {"has_typed", has_typed},
       {"typed", has_typed ? typed->second : ""},
       {"outlier_px", fmt::to_string(outlier_px)},
+      {"rendered", input.study.kind == StudyKind::kImages && !input.study.sightings},
       {"images", input.study.kind == StudyKind::kImages},
       {"orientation", input.study.kind == StudyKind::kOrientation},
       {"timed", input.study.pairs.timed_repeats > 0},

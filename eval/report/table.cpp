@@ -50,7 +50,7 @@ class="given">θ = {{theta}}°, T = {{t}} m</span>{{/has_pose}}<span class="obse
 <p class="note">{{note}}</p>
 {{#has_lost}}
 <details>
-<summary>Trials that could not be imaged: {{lost_count}}</summary>
+<summary>Trials that could not be {{lost_how}}: {{lost_count}}</summary>
 <p>They are in every denominator as failures of every solver. Their numbers, by condition:</p>
 <ul>
 {{#lost}}<li>{{condition}}: {{trials}}</li>
@@ -296,6 +296,7 @@ std::string table_figure(const ReportInput& input) {
       {"beside", has_paper_figures(input.study) ? "paper" : "median"},
       {"groups", groups(input)},
       {"has_lost", lost_count > 0},
+      {"lost_how", input.study.sightings ? "run" : "imaged"},
       {"lost_count", fmt::format("{} of {}", lost_count,
                                  counted(static_cast<int64_t>(input.trials.size()), "trial"))},
       {"lost", lost_lines(input.study, lost)},

@@ -400,7 +400,7 @@ TEST_F(ScoreProgram, SaysInALineWhatIsWrong) {
   fs::remove(path("set/models_eval/obj_000001.ply"));
   folder_.write("set/test/000000/scene_gt.json", "{\"0\": [{\"obj_id\": 1}]}");
   fs::copy_file(path("set/models/obj_000001.ply"), path("set/models_eval/obj_000001.ply"));
-  expect_error(score("mm.csv", out), "scene_gt.json: is not as BOP has it");
+  expect_error(score("mm.csv", out), "scene_gt.json: is not as its format has it");
   EXPECT_FALSE(fs::exists(path("out")));
 }
 
