@@ -17,6 +17,8 @@ namespace sightline {
 namespace {
 
 constexpr double kMaxTrials = 10'000'000;
+// Of the mesh's triangles: a model of the target that somebody made for another purpose.
+constexpr double kBiasMeshPercent = 25;
 
 // What a file is read for.
 enum class Use { kTrials, kRendering };
@@ -91,6 +93,10 @@ void read_extraction(const TomlTable& table, ImageSetup& setup) {
   if (removal != "off") {
     setup.bias_removal =
         removal == "known_light" ? BiasRemoval::kKnownLight : BiasRemoval::kWrongLight;
+  }
+  const double kept_percent = table.number("bias_mesh_percent", {1, 100}, kBiasMeshPercent);
+  if (setup.bias_removal != BiasRemoval::kOff) {
+    setup.bias_target = decimated(setup.scene.target, kept_percent / 100);
   }
   ExtractorOptions& options = setup.extractor_options;
   options.search.noise_sd_grey =
