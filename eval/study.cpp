@@ -109,6 +109,8 @@ void read_extraction(const TomlTable& table, ImageSetup& setup) {
     limits.outlier_sigmas = table.number("outlier_sigmas", {0.1, 1e6});
   }
   limits.line_px = table.number("line_px", {0.01, 1000}, limits.line_px);
+  limits.least_contrast_grey =
+      table.number("least_contrast_grey", {0, 255}, limits.least_contrast_grey);
 
   const TomlTable lines = table.table("lines");
   LineOptions& line = options.line;
