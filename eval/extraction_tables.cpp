@@ -231,7 +231,7 @@ std::string accuracy_block(const Study& study, const ExtractionStatistics& stati
         conditions[c], counts.fewest_visible, counts.fewest_inliers, kFewFeatures,
         counts.few_inliers, counts.trials));
   }
-  return text + "\n";
+  return text;
 }
 
 std::string failure_block(const ExtractionStatistics& statistics) {
