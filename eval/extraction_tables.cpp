@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -105,6 +106,10 @@ Json localisation_json(const Localisation& l) {
       {"found", l.found},
       {"found_rate", measured_json(l.found_rate)},
       {"outlier_rate", measured_json(l.outlier_rate)},
+      {"near_rate", measured_json(l.near_rate)},
+      {"seen_outlier_rate", measured_json(l.seen_outlier_rate)},
+      {"near_median_px", number(l.near_median_px)},
+      {"near_rms_px", number(l.near_rms_px)},
       {"rms_px", measured_json(l.rms_px)},
       {"bias_u_px", measured_json(l.bias_u_px)},
       {"bias_v_px", measured_json(l.bias_v_px)},
@@ -131,6 +136,46 @@ TextColumn error_column(const std::string& name, const Study& study, const Summa
   return column;
 }
 
+struct LabelledRows {
+  std::vector<std::string> labels;
+  std::vector<Localisation> rows;
+};
+
+// Each feature; each kind, where there are several; all.
+LabelledRows rows_of_cell(const Study& study, const ExtractionStatistics& statistics,
+                          int condition) {
+  LabelledRows out;
+  const auto add = [&](const std::string& label, Localisation row) {
+    out.labels.push_back(label);
+    out.rows.push_back(std::move(row));
+  };
+  std::set<FeatureKind> kinds;
+  for (const int feature : study.features) kinds.insert(study.target->features[feature].kind);
+  for (const std::string& feature : statistics.features()) {
+    add(feature, statistics.of(condition, feature));
+  }
+  for (const FeatureKind kind : kinds) {
+    if (kinds.size() == 1) break;
+    add(fmt::format("every {}", to_string(kind)), statistics.of_kind(condition, kind));
+  }
+  add("all", statistics.of_cell(condition));
+  return out;
+}
+
+TextGroup accuracy_group(const std::string& title, const std::vector<Localisation>& rows) {
+  TextColumn seen{"to see", {}}, found{"found", {}}, near{"near", {}}, outliers{"out / %", {}},
+      median{"median", {}}, rms{"rms", {}};
+  for (const Localisation& row : rows) {
+    seen.cells.push_back(fmt::to_string(row.visible));
+    found.cells.push_back(percent(row.found_rate.value));
+    near.cells.push_back(percent(row.near_rate.value));
+    outliers.cells.push_back(number_text(100 * row.seen_outlier_rate.value, 2));
+    median.cells.push_back(number_text(row.near_median_px, 2));
+    rms.cells.push_back(number_text(row.near_rms_px, 2));
+  }
+  return {title, {seen, found, near, outliers, median, rms}};
+}
+
 }  // namespace
 
 std::string localisation_block(const Study& study, const ExtractionStatistics& statistics) {
@@ -149,6 +194,44 @@ std::string localisation_block(const Study& study, const ExtractionStatistics& s
         {column("u", rows, &Localisation::bias_u_px, 2),
          column("v", rows, &Localisation::bias_v_px, 2)}},
        {"", {column("rms / sigma", rows, &Localisation::rms_sigmas, 2)}}});
+}
+
+std::string accuracy_block(const Study& study, const ExtractionStatistics& statistics) {
+  constexpr size_t kFewCells = 4;
+  std::vector<std::string> conditions;
+  for (const Condition& condition : study.conditions) {
+    conditions.push_back(shortened(condition.label, kLongestLabel));
+  }
+  const std::string heading = fmt::format(
+      "Features to be seen: found, within {} px of the truth, median and rms distance of those",
+      kNearPx);
+  std::string text;
+  if (conditions.size() > kFewCells) {
+    std::vector<Localisation> rows;
+    for (size_t c = 0; c < conditions.size(); ++c) {
+      rows.push_back(statistics.of_cell(static_cast<int>(c)));
+    }
+    text = text_block(heading, conditions, {accuracy_group("", rows)});
+  } else {
+    std::vector<TextGroup> groups;
+    std::vector<std::string> labels;
+    for (size_t c = 0; c < conditions.size(); ++c) {
+      const LabelledRows cell = rows_of_cell(study, statistics, static_cast<int>(c));
+      labels = cell.labels;
+      groups.push_back(accuracy_group(conditions[c], cell.rows));
+    }
+    text = text_block(heading, labels, std::move(groups));
+  }
+  for (size_t c = 0; c < conditions.size(); ++c) {
+    const FeatureCounts& counts = statistics.counts(static_cast<int>(c));
+    if (counts.trials == 0) continue;
+    text += wrapped(fmt::format(
+        "{}: at least {} to be seen in every trial, at least {} inliers; fewer than {} inliers in "
+        "{} of {} trials",
+        conditions[c], counts.fewest_visible, counts.fewest_inliers, kFewFeatures,
+        counts.few_inliers, counts.trials));
+  }
+  return text;
 }
 
 std::string failure_block(const ExtractionStatistics& statistics) {

@@ -10,6 +10,9 @@
 
 #include <Eigen/LU>
 
+#include "eval/statistics.h"
+#include "features/outline.h"
+
 namespace sightline {
 namespace {
 
@@ -91,6 +94,37 @@ ObservationLabel kind_of_error(const Observation& observation, const Scene& scen
                                                          : ObservationLabel::kClutter;
 }
 
+// The median difference across these points of an outline; 0 of fewer than four.
+double median_contrast(const std::vector<OutlineSample>& outline, const cv::Mat& image) {
+  constexpr double kAsidePx = 3;
+  constexpr size_t kFewest = 4;
+  std::vector<double> differences;
+  for (const OutlineSample& sample : outline) {
+    const auto grey = [&](double side) -> double {
+      const Eigen::Vector2d at = sample.pixel + side * kAsidePx * sample.normal;
+      const cv::Point pixel(static_cast<int>(std::lround(at.x())),
+                            static_cast<int>(std::lround(at.y())));
+      if (!cv::Rect({0, 0}, image.size()).contains(pixel)) {
+        return std::numeric_limits<double>::quiet_NaN();
+      }
+      return image.depth() == CV_8U ? image.at<uint8_t>(pixel) : image.at<uint16_t>(pixel);
+    };
+    const double difference = grey(1) - grey(-1);
+    if (std::isfinite(difference)) differences.push_back(difference);
+  }
+  return differences.size() < kFewest ? 0 : std::abs(percentile(differences, 0.5));
+}
+
+std::vector<OutlineSample> outline_of(const PredictedEdge& edge) {
+  std::vector<OutlineSample> outline;
+  for (const PredictedEdge::Sample& sample : edge.samples) {
+    outline.push_back(
+        {edge.begin + sample.along_px * edge.direction + sample.offset_px * edge.normal,
+         edge.normal, sample.borders_target});
+  }
+  return outline;
+}
+
 }  // namespace
 
 std::string_view to_string(ObservationLabel label) {
@@ -104,15 +138,18 @@ LabelledObservation label(const Observation& observation, const Scene& scene, co
                           const LabelLimits& limits) {
   const FeatureTruth& truth = frame.truth.target().features[observation.feature];
   LabelledObservation out;
+  out.is_visible = truth.is_visible &&
+                   (limits.least_contrast_grey == 0 ||
+                    contrast_grey(observation.feature, scene, frame) >= limits.least_contrast_grey);
   if (observation.status != ObservationStatus::kFound) {
-    out.label = truth.is_visible ? ObservationLabel::kMissing : ObservationLabel::kAbsent;
+    out.label = out.is_visible ? ObservationLabel::kMissing : ObservationLabel::kAbsent;
     return out;
   }
   const Eigen::Vector2d error = observation.pixel - truth.pixel;
   out.error_px = error.norm();
   out.error_sigmas = std::sqrt(error.dot(observation.covariance_px2.inverse() * error));
   out.is_outlier = out.error_px > limits.outlier_px || out.error_sigmas > limits.outlier_sigmas;
-  if (!truth.is_visible) {
+  if (!out.is_visible) {
     out.label = ObservationLabel::kHidden;
   } else if (!out.is_outlier) {
     out.label = ObservationLabel::kInlier;
@@ -120,6 +157,25 @@ LabelledObservation label(const Observation& observation, const Scene& scene, co
     out.label = kind_of_error(observation, scene, frame, limits.line_px);
   }
   return out;
+}
+
+double contrast_grey(int feature, const Scene& scene, const Frame& frame) {
+  constexpr double kGapPx = 2.5;
+  constexpr double kReachPx = 36;
+  const PredictedView view = predict_features(*scene.target, std::array{feature}, scene.camera,
+                                              PosePrior{scene.cam_from_target});
+  const FeaturePrediction& prediction = view.features.front();
+  if (!prediction.is_in_front) return 0;
+  double contrast = std::numeric_limits<double>::infinity();
+  if (prediction.kind == FeatureKind::kLineIntersection) {
+    for (const int edge : {0, 1}) {
+      const auto outline = outline_of(predict_edge(view, prediction, edge, kGapPx, kReachPx));
+      contrast = std::min(contrast, median_contrast(outline, frame.image));
+    }
+  } else {
+    contrast = median_contrast(predict_outline(view, prediction, kReachPx), frame.image);
+  }
+  return contrast * 255 / (std::exp2(scene.sensor.bits) - 1);
 }
 
 }  // namespace sightline

@@ -18,7 +18,7 @@ enum class ObservationLabel {
   kWrongIntersection,  ///< both lines are edges of the feature, but meet far from it
   kWrongPoint,         ///< another point of the target was taken for it
   kClutter,            ///< what was taken is not of the target: background or another body
-  kHidden,             ///< something was found, though the feature is hidden or outside the image
+  kHidden,             ///< something was found, though the feature is not to be seen
   kMissing,            ///< nothing was found, though the feature is to be seen
   kAbsent,             ///< nothing was found, and nothing is to be seen
 };
@@ -32,11 +32,15 @@ struct LabelLimits {
   /// In units of the observation's own covariance (Mahalanobis distance).
   double outlier_sigmas = std::numeric_limits<double>::infinity();
   double line_px = 3;  ///< RMS of a line's edge pixels about the true edge
+  /// A feature whose edges have less contrast in the image counts as not to be seen, grey levels of
+  /// 255; 0: every feature does that nothing hides.
+  double least_contrast_grey = 0;
 };
 
 /// An observation against the truth; what does not apply is NaN.
 struct LabelledObservation {
   ObservationLabel label = ObservationLabel::kAbsent;
+  bool is_visible = false;  ///< on the image, hidden by nothing, and of contrast enough
   double error_px = std::numeric_limits<double>::quiet_NaN();
   double error_sigmas = std::numeric_limits<double>::quiet_NaN();
   bool is_outlier = false;
@@ -46,5 +50,10 @@ struct LabelledObservation {
 /// its true edges, and by what the pixels of the evidence truly show (the frame's ids).
 LabelledObservation label(const Observation& observation, const Scene& scene, const Frame& frame,
                           const LabelLimits& limits);
+
+/// The contrast of a feature of the main target, grey levels of 255: between 3 px inside and 3 px
+/// outside its outline as the true pose shows it, the median along it, of a line intersection's two
+/// edges the lesser. 0 where too little of an edge is to be seen.
+double contrast_grey(int feature, const Scene& scene, const Frame& frame);
 
 }  // namespace sightline

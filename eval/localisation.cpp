@@ -68,16 +68,24 @@ Measured ClusteredRatio::rate() const {
   return out;
 }
 
-void LocalisationStatistics::add(const TrialRecord& trial, const std::string* feature) {
-  double visible = 0, seen = 0, found = 0, outliers = 0, inliers = 0, with_sigma = 0;
+void LocalisationStatistics::add(const TrialRecord& trial, std::span<const std::string> features) {
+  double visible = 0, seen = 0, seen_outliers = 0, near = 0;
+  double found = 0, outliers = 0, inliers = 0, with_sigma = 0;
   double squares_px2 = 0, du_px = 0, dv_px = 0, squares_sigmas = 0;
   for (const ObservationRecord& o : trial.observations) {
-    if (feature != nullptr && o.feature != *feature) continue;
+    const bool is_asked_for = features.empty() || std::find(features.begin(), features.end(),
+                                                            o.feature) != features.end();
+    if (!is_asked_for) continue;
     ++labels_[o.label];
     visible += o.is_visible;
     seen += o.is_visible && o.is_found();
     if (!o.is_found()) continue;
     ++found;
+    seen_outliers += o.is_visible && o.is_outlier;
+    if (o.is_visible && o.error_px <= kNearPx) {
+      ++near;
+      if (near_px_.size() < kMostKept) near_px_.push_back(o.error_px);
+    }
     const Eigen::Vector2d error = o.pixel - o.true_pixel;
     if (o.is_outlier) {
       ++outliers;
@@ -99,6 +107,8 @@ void LocalisationStatistics::add(const TrialRecord& trial, const std::string* fe
   outlier_count_ += static_cast<int64_t>(outliers);
   found_.add(seen, visible);
   outliers_.add(outliers, found);
+  near_.add(near, visible);
+  seen_outliers_.add(seen_outliers, seen);
   squares_px2_.add(squares_px2, inliers);
   bias_u_px_.add(du_px, inliers);
   bias_v_px_.add(dv_px, inliers);
@@ -111,6 +121,14 @@ Localisation LocalisationStatistics::summary() const {
   out.found = found_count_;
   out.found_rate = found_.rate();
   out.outlier_rate = outliers_.rate();
+  out.near_rate = near_.rate();
+  out.seen_outlier_rate = seen_outliers_.rate();
+  if (!near_px_.empty()) {
+    out.near_median_px = percentile(near_px_, 0.5);
+    double squares_px2 = 0;
+    for (const double distance_px : near_px_) squares_px2 += distance_px * distance_px;
+    out.near_rms_px = std::sqrt(squares_px2 / static_cast<double>(near_px_.size()));
+  }
   out.rms_px = root_of(squares_px2_.measured());
   out.bias_u_px = bias_u_px_.measured();
   out.bias_v_px = bias_v_px_.measured();
@@ -125,10 +143,27 @@ Localisation LocalisationStatistics::summary() const {
   return out;
 }
 
+void FeatureCounts::add(const TrialRecord& trial) {
+  int visible = 0, inliers = 0;
+  for (const ObservationRecord& o : trial.observations) {
+    visible += o.is_visible;
+    inliers += o.is_visible && o.is_found() && !o.is_outlier;
+  }
+  fewest_visible = trials == 0 ? visible : std::min(fewest_visible, visible);
+  fewest_inliers = trials == 0 ? inliers : std::min(fewest_inliers, inliers);
+  few_inliers += inliers < kFewFeatures;
+  ++trials;
+}
+
 ExtractionStatistics::ExtractionStatistics(const Study& study)
-    : cells_(study.conditions.size()), of_both_(study.conditions.size()) {
-  for (const int feature : study.features) {
-    features_.push_back(study.target->features[static_cast<size_t>(feature)].name);
+    : cells_(study.conditions.size()),
+      of_both_(study.conditions.size()),
+      of_kinds_(study.conditions.size()),
+      counts_(study.conditions.size()) {
+  for (const int index : study.features) {
+    const TargetFeature& feature = study.target->features[static_cast<size_t>(index)];
+    features_.push_back(feature.name);
+    of_kind_[static_cast<size_t>(feature.kind)].push_back(feature.name);
   }
   of_features_.resize(features_.size());
   for (auto& row : of_both_) row.resize(features_.size());
@@ -138,9 +173,14 @@ void ExtractionStatistics::add(const TrialRecord& trial) {
   const auto condition = static_cast<size_t>(trial.condition);
   cells_[condition].add(trial);
   for (size_t i = 0; i < features_.size(); ++i) {
-    of_features_[i].add(trial, &features_[i]);
-    of_both_[condition][i].add(trial, &features_[i]);
+    const std::span<const std::string> feature(&features_[i], 1);
+    of_features_[i].add(trial, feature);
+    of_both_[condition][i].add(trial, feature);
   }
+  for (size_t kind = 0; kind < of_kind_.size(); ++kind) {
+    if (!of_kind_[kind].empty()) of_kinds_[condition][kind].add(trial, of_kind_[kind]);
+  }
+  counts_[condition].add(trial);
 }
 
 Localisation ExtractionStatistics::of_cell(int condition) const {
@@ -159,6 +199,10 @@ Localisation ExtractionStatistics::of(int condition, const std::string& feature)
   if (found == features_.end()) return {};
   return of_both_[static_cast<size_t>(condition)][static_cast<size_t>(found - features_.begin())]
       .summary();
+}
+
+Localisation ExtractionStatistics::of_kind(int condition, FeatureKind kind) const {
+  return of_kinds_[static_cast<size_t>(condition)][static_cast<size_t>(kind)].summary();
 }
 
 }  // namespace sightline

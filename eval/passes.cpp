@@ -96,11 +96,11 @@ std::optional<PosePrior> improved(const Task& task, const std::vector<Observatio
   return PosePrior{estimate.cam_from_target, estimate.covariance};
 }
 
-// The target alone at that pose, free of noise.
-cv::Mat rendering_at(const Pose& cam_from_target, const Scene& scene, BiasRemoval removal,
+// What is known of the target alone at that pose, free of noise.
+cv::Mat rendering_at(const Pose& cam_from_target, const Scene& scene, const ImageSetup& setup,
                      Renderer& renderer) {
   Scene model;
-  model.target = scene.target;
+  model.target = setup.bias_target;
   model.camera = scene.camera;
   model.cam_from_target = cam_from_target;
   model.light = scene.light;
@@ -110,7 +110,7 @@ cv::Mat rendering_at(const Pose& cam_from_target, const Scene& scene, BiasRemova
   model.sensor.gain = scene.sensor.gain;
   model.sensor.read_noise_grey = 0;
   model.sensor.bits = scene.sensor.bits;
-  if (removal == BiasRemoval::kWrongLight) {
+  if (setup.bias_removal == BiasRemoval::kWrongLight) {
     const Eigen::Vector3d axis =
         model.light.to_light_in_cam.cross(Eigen::Vector3d(0.6, 0.8, 0)).normalized();
     model.light.to_light_in_cam =
@@ -161,8 +161,7 @@ Extraction extract_in_passes(const Study& study, const ImageSetup& setup, const 
   options.search.floor_scale = setup.bias_removal == BiasRemoval::kKnownLight
                                    ? kFloorAfterKnownLight
                                    : kFloorAfterWrongLight;
-  const cv::Mat rendering =
-      rendering_at(last->cam_from_target, scene, setup.bias_removal, renderer);
+  const cv::Mat rendering = rendering_at(last->cam_from_target, scene, setup, renderer);
   extraction = {extract(task, image, *last, options), last->cam_from_target};
   remove_bias(task, rendering, *last, options, extraction.observations);
   return extraction;

@@ -20,7 +20,7 @@ namespace sightline {
 struct ObservationRecord {
   std::string feature;
   std::string status;       ///< "found", or why it is missing
-  bool is_visible = false;  ///< truly: on the image and not hidden by the target
+  bool is_visible = false;  ///< truly: see LabelledObservation
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< with status "found"
   Eigen::Vector2d true_pixel = Eigen::Vector2d::Zero();
   double error_px = 0;  ///< with status "found"

@@ -17,6 +17,8 @@ namespace sightline {
 namespace {
 
 constexpr double kMaxTrials = 10'000'000;
+// Of the mesh's triangles: a model of the target that somebody made for another purpose.
+constexpr double kBiasMeshPercent = 25;
 
 // What a file is read for.
 enum class Use { kTrials, kRendering };
@@ -93,6 +95,10 @@ void read_extraction(const TomlTable& table, bool is_noise_known, ImageSetup& se
     setup.bias_removal =
         removal == "known_light" ? BiasRemoval::kKnownLight : BiasRemoval::kWrongLight;
   }
+  const double kept_percent = table.number("bias_mesh_percent", {1, 100}, kBiasMeshPercent);
+  if (setup.bias_removal != BiasRemoval::kOff) {
+    setup.bias_target = decimated(setup.scene.target, kept_percent / 100);
+  }
   ExtractorOptions& options = setup.extractor_options;
   double& noise = options.search.noise_sd_grey;
   if (is_noise_known) noise = typical_noise_sd_grey(setup.scene);
@@ -105,6 +111,8 @@ void read_extraction(const TomlTable& table, bool is_noise_known, ImageSetup& se
     limits.outlier_sigmas = table.number("outlier_sigmas", {0.1, 1e6});
   }
   limits.line_px = table.number("line_px", {0.01, 1000}, limits.line_px);
+  limits.least_contrast_grey =
+      table.number("least_contrast_grey", {0, 255}, limits.least_contrast_grey);
 
   const TomlTable lines = table.table("lines");
   LineOptions& line = options.line;

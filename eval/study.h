@@ -36,7 +36,8 @@ struct PaperFigure {
 };
 
 /// Whether the last pass renders the target at the pose found and subtracts what the extractors err
-/// on that. It is an inverse crime: the same mesh and renderer made the image.
+/// on that. With the light known and the exact mesh it is an inverse crime: the same renderer made
+/// the image of the same.
 enum class BiasRemoval {
   kOff,
   kWrongLight,  ///< the light's direction is off by about 18 degrees
@@ -52,6 +53,8 @@ struct ImageSetup {
   ExtractorOptions extractor_options;
   int passes = 1;  ///< of extraction; all but the first around the pose that came out before
   BiasRemoval bias_removal = BiasRemoval::kOff;
+  /// What is rendered for it; null where it is off.
+  std::shared_ptr<const Target> bias_target;
   LabelLimits limits;
 };
 

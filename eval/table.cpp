@@ -255,7 +255,8 @@ std::string head(const Study& study, const Summary& summary) {
 std::string sweep_of_nuisances(const Study& study, const Summary& summary) {
   const bool is_wanted = study.setups.size() > 1 || !study.inputs.empty();
   if (!is_wanted || !summary.extraction) return "";
-  return localisation_block(study, *summary.extraction) + failure_block(*summary.extraction) +
+  return localisation_block(study, *summary.extraction) +
+         accuracy_block(study, *summary.extraction) + failure_block(*summary.extraction) +
          impact_block(study, summary);
 }
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
+#include "eval/silhouette.h"
 #include "eval/target_proposal.h"
 #include "pose/attitude.h"
 #include "renderer/renderer.h"
@@ -86,6 +87,28 @@ std::string features_text(const Target& target) {
   return out;
 }
 
+// How far a rounded edge shows beside the crease that a feature is.
+std::string silhouettes_text(const Target& target) {
+  if (target.features.empty()) return "";
+  std::string out = fmt::format(
+      "\nThe outline beside each feature, over those of {} views from all sides that show it, "
+      "{:.0f} px"
+      "\nto the diagonal of the target's box:\n\n"
+      "feature                         views  median px  max px  median m   max m\n",
+      kSilhouetteViews, kSilhouetteSizePx);
+  const std::vector<SilhouetteOffset> offsets = silhouette_offsets(target);
+  for (size_t i = 0; i < offsets.size(); ++i) {
+    const SilhouetteOffset& offset = offsets[i];
+    out += fmt::format("{:<30}  {:>5}", target.features[i].name, offset.views);
+    if (offset.views > 0) {
+      out += fmt::format("  {:>9.3f} {:>7.3f} {:>9.4f} {:>7.4f}", offset.median_px,
+                         offset.greatest_px, offset.median_m, offset.greatest_m);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
 }  // namespace
 
 Scene picture_scene(const std::shared_ptr<const Target>& target,
@@ -155,7 +178,8 @@ std::string report_target(const TargetArguments& arguments) {
   const MeshInspection mesh = inspect(target->mesh);
   std::string out = target->name;
   if (!target->description.empty()) out += ": " + target->description;
-  out += "\n\n" + mesh_text(*target, mesh) + parts_text(mesh) + features_text(*target);
+  out += "\n\n" + mesh_text(*target, mesh) + parts_text(mesh) + features_text(*target) +
+         silhouettes_text(*target);
   if (arguments.propose) return out + propose_target(target, arguments);
   if (!arguments.picture.empty()) {
     const Scene scene = picture_scene(target, arguments.theta_deg);

@@ -38,10 +38,10 @@ std::vector<ObservationRecord> compare_with_truth(const Study& study, const Tria
     ObservationRecord record;
     record.feature = study.target->features[observation.feature].name;
     record.status = to_string(observation.status);
-    record.is_visible = truth.is_visible;
     record.true_pixel = truth.pixel;
     const LabelledObservation labelled =
         label(observation, trial.scene, trial.frame, study.setup_of(trial.record.condition).limits);
+    record.is_visible = labelled.is_visible;
     record.label = to_string(labelled.label);
     if (record.is_found()) {
       record.pixel = observation.pixel;

@@ -45,11 +45,12 @@ std::optional<double> inside_level(const ExtractionInput& input) {
   return median(greys);
 }
 
-// Grey level on one side of the outline.
+// Grey level on one side of the outline, where the background lies beyond it.
 std::optional<double> side_level(const cv::Mat& image, std::span<const OutlineSample> samples,
                                  double side) {
   std::vector<uint8_t> greys;
   for (const OutlineSample& sample : samples) {
+    if (sample.borders_target) continue;
     for (const double at_px : {3.0, 4.5, 6.0}) {
       const auto grey = grey_at(image, sample.pixel + side * at_px * sample.normal);
       if (grey) greys.push_back(*grey);

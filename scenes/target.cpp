@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "scenes/assets.h"
+#include "scenes/decimation.h"
 #include "scenes/input_error.h"
 #include "scenes/toml_table.h"
 
@@ -146,6 +147,13 @@ std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target
     for (Edge& edge : feature.edges) edge = {edge.begin_m * factor, edge.end_m * factor};
   }
   return make_target(target->name, target->description, std::move(loaded), std::move(features));
+}
+
+std::shared_ptr<const Target> decimated(const std::shared_ptr<const Target>& target,
+                                        double kept_fraction) {
+  if (kept_fraction == 1) return target;
+  return make_target(target->name, target->description,
+                     {decimated(target->mesh, kept_fraction), target->cleaning}, target->features);
 }
 
 std::shared_ptr<const Target> load_target(const std::string& name_or_path, const MeshFrame& frame) {

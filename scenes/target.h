@@ -34,6 +34,11 @@ bool is_self_hidden(const Target& target, const TargetFeature& feature,
 /// The target `factor` times as large, features and all.
 std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target, double factor);
 
+/// The target with a coarser mesh, which keeps this fraction of the triangles
+/// (scenes/decimation.h), and the same features; itself where that is 1.
+std::shared_ptr<const Target> decimated(const std::shared_ptr<const Target>& target,
+                                        double kept_fraction);
+
 /// Loads a target by name, from a target.toml, or from any mesh file (which has no features;
 /// `frame` is how the mesh's axes lie, a target.toml says it itself). Throws InputError for
 /// whatever is missing, misspelt, out of range or unreadable, and for a feature farther off the

@@ -226,6 +226,7 @@ size_t bytes_of(const FrameEvidence& frame) {
     for (const ImageLine& line : observation.lines) {
       bytes += kBytesAnEdgePixel * line.edge_pixels.size();
     }
+    bytes += kBytesAnEdgePixel * observation.contour.size();
   }
   for (const auto& [solver, outline] : frame.outlines) {
     for (const auto& polygon : outline) bytes += kBytesAVertex * polygon.size();

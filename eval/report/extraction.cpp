@@ -168,10 +168,16 @@ std::string extractor_names(const ImageSetup& setup) {
   if (text.empty()) return "none";
   if (setup.passes > 1) text += fmt::format("; {} passes", setup.passes);
   if (setup.bias_removal != BiasRemoval::kOff) {
+    const bool is_light_known = setup.bias_removal == BiasRemoval::kKnownLight;
+    const size_t all = setup.scene.target->mesh.triangles.size();
+    const size_t kept = setup.bias_target->mesh.triangles.size();
     text += fmt::format(
-        ". Of each the error that it makes on a rendering of the same mesh at the pose found, with "
-        "{} light, was subtracted: an inverse crime, which no real image allows to this degree",
-        setup.bias_removal == BiasRemoval::kKnownLight ? "the true" : "a wrong");
+        ". Of each the error that it makes on a rendering of the target at the pose found, {} of "
+        "its {} triangles and {} light, was subtracted{}",
+        kept, all, is_light_known ? "the true" : "a wrong",
+        is_light_known && kept == all
+            ? ": an inverse crime, which no real image allows to this degree"
+            : "");
   }
   return text;
 }

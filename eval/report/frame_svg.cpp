@@ -142,13 +142,15 @@ std::string window_mark(const cv::Rect& window) {
 }
 
 // Dots of one path: strokes of no length with round caps.
-std::string edge_pixel_marks(const std::vector<ImageLine>& lines) {
+std::string edge_pixel_marks(const Observation& observation) {
   std::string path;
-  for (const ImageLine& line : lines) {
-    for (const Eigen::Vector2d& pixel : line.edge_pixels) {
+  const auto add = [&path](const std::vector<Eigen::Vector2d>& pixels) {
+    for (const Eigen::Vector2d& pixel : pixels) {
       path += fmt::format("M{} {}h0", px(pixel.x()), px(pixel.y()));
     }
-  }
+  };
+  for (const ImageLine& line : observation.lines) add(line.edge_pixels);
+  add(observation.contour);
   if (path.empty()) return "";
   return fmt::format(R"svg(<path class="layer-edges edges" d="{}"/>)svg", path);
 }
@@ -205,7 +207,7 @@ std::string feature_marks(const Observation& observation, const ObservationRecor
   std::string svg;
   if (!observation.window.empty()) svg += window_mark(observation.window);
   svg += line_marks(observation.lines, observation.window);
-  svg += edge_pixel_marks(observation.lines);
+  svg += edge_pixel_marks(observation);
   svg += corner_marks(observation.corners);
   if (record.is_visible) {
     svg += mark("truth", diagonal_cross(record.true_pixel, kTruthArmPx),

@@ -8,6 +8,7 @@
 namespace sightline {
 
 void extract_contour(const ExtractionInput& input, Observation& observation);
+void extract_edges_else_contour(const ExtractionInput& input, Observation& observation);
 void extract_harris_subpixel(const ExtractionInput& input, Observation& observation);
 void extract_hough_intersection(const ExtractionInput& input, Observation& observation);
 void extract_hough_subpixel(const ExtractionInput& input, Observation& observation);

@@ -81,6 +81,44 @@ TEST_F(Labels, WhatIsNearTheTruthIsAnInlier) {
   EXPECT_NE(of(seen(corner_, {6, 0})), ObservationLabel::kInlier);
 }
 
+// White paint of 0.8 under 0.3 + 0.75 cos on a background of 0.15 of white.
+TEST_F(Labels, ContrastIsThatOfTheFeaturesOwnEdges) {
+  const double wing_grey = contrast_grey(corner_, scene_, frame_);
+  EXPECT_GT(wing_grey, 100);
+  EXPECT_LT(wing_grey, 200);
+  Scene grey = scene_;
+  grey.background.level = 0.75;
+  const Frame faint = Renderer().render(grey, RandomStream(1, "sensor", 0));
+  EXPECT_LT(contrast_grey(corner_, grey, faint), wing_grey / 2);
+  // The fin is seen along its plane: none of its edges shows.
+  for (size_t i = 0; i < scene_.target->features.size(); ++i) {
+    if (scene_.target->features[i].name != "fin_tip_te") continue;
+    EXPECT_EQ(contrast_grey(static_cast<int>(i), scene_, frame_), 0);
+  }
+}
+
+TEST_F(Labels, ContrastHasTheUnitOfEightBitsWhateverTheSensors) {
+  Scene deep = scene_;
+  deep.sensor.bits = 12;
+  const Frame frame = Renderer().render(deep, RandomStream(1, "sensor", 0));
+  EXPECT_NEAR(contrast_grey(corner_, deep, frame), contrast_grey(corner_, scene_, frame_), 2);
+}
+
+TEST_F(Labels, WhatHasTooLittleContrastIsNotToBeSeen) {
+  const double contrast = contrast_grey(corner_, scene_, frame_);
+  LabelLimits limits;
+  limits.least_contrast_grey = contrast - 1;
+  EXPECT_TRUE(label(seen(corner_, {0, 0}), scene_, frame_, limits).is_visible);
+  EXPECT_EQ(of(seen(corner_, {0, 0}), limits), ObservationLabel::kInlier);
+  limits.least_contrast_grey = contrast + 1;
+  EXPECT_FALSE(label(seen(corner_, {0, 0}), scene_, frame_, limits).is_visible);
+  EXPECT_EQ(of(seen(corner_, {0, 0}), limits), ObservationLabel::kHidden);
+  Observation unseen = seen(corner_, {0, 0});
+  unseen.status = ObservationStatus::kTooFewEdgePixels;
+  EXPECT_EQ(of(unseen, limits), ObservationLabel::kAbsent);
+  EXPECT_EQ(of(unseen), ObservationLabel::kMissing);
+}
+
 TEST_F(Labels, TheObservationsOwnCovarianceCounts) {
   Observation observation = seen(corner_, {1, 1});
   observation.covariance_px2 << 4, 0, 0, 0.01;

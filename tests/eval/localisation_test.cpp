@@ -114,9 +114,42 @@ TEST(Localisation, OfOneFeatureLeavesTheOthersOut) {
   trial.observations[1].feature = "nose";
   const std::string nose = "nose";
   LocalisationStatistics statistics;
-  statistics.add(trial, &nose);
+  statistics.add(trial, std::span(&nose, 1));
   EXPECT_EQ(statistics.summary().found, 1);
   EXPECT_DOUBLE_EQ(statistics.summary().bias_u_px.value, 3);
+}
+
+TEST(Localisation, WhatIsNearIsCountedOfWhatIsToBeSeen) {
+  TrialRecord trial;
+  trial.observations = {found({1, 0}), found({0, 2}),   found({3.5, 0}),     found({20, 0}, true),
+                        missing(),     found({0.5, 0}), found({30, 0}, true)};
+  trial.observations[5].is_visible = trial.observations[6].is_visible = false;
+  LocalisationStatistics statistics;
+  statistics.add(trial);
+  const Localisation all = statistics.summary();
+  EXPECT_EQ(all.visible, 5);
+  EXPECT_DOUBLE_EQ(all.near_rate.value, 2.0 / 5);
+  EXPECT_DOUBLE_EQ(all.seen_outlier_rate.value, 1.0 / 4) << "the other is not to be seen";
+  EXPECT_DOUBLE_EQ(all.near_median_px, 1.5);
+  EXPECT_DOUBLE_EQ(all.near_rms_px, std::sqrt((1 + 4) / 2.0));
+  EXPECT_TRUE(std::isnan(LocalisationStatistics().summary().near_median_px));
+}
+
+TEST(FeatureCounts, KnowTheTrialWithTheFewest) {
+  FeatureCounts counts;
+  TrialRecord trial;
+  trial.observations.assign(5, found({1, 0}));
+  counts.add(trial);
+  EXPECT_EQ(counts.few_inliers, 0);
+  trial.observations[0] = missing();
+  trial.observations[1] = found({20, 0}, true);
+  trial.observations.push_back(found({1, 0}));
+  trial.observations.back().is_visible = false;
+  counts.add(trial);
+  EXPECT_EQ(counts.trials, 2);
+  EXPECT_EQ(counts.fewest_visible, 5);
+  EXPECT_EQ(counts.fewest_inliers, 3);
+  EXPECT_EQ(counts.few_inliers, 1);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "eval/localisation.h"
 #include "eval/trial.h"
+#include "scenes/input_error.h"
 
 namespace sightline {
 namespace {
@@ -76,11 +77,28 @@ TEST(Passes, OnePassLooksAroundThePrior) {
 TEST(Passes, RemovingTheBiasOfTheExtractorsLessensTheError) {
   constexpr int kTrials = 8;
   const Result off = result_of(kTrials, {"extraction.bias_removal=off"});
-  const Result known = result_of(kTrials, {"extraction.bias_removal=known_light"});
-  const Result wrong = result_of(kTrials, {"extraction.bias_removal=wrong_light"});
+  const std::string exact = "extraction.bias_mesh_percent=100";
+  const Result known = result_of(kTrials, {"extraction.bias_removal=known_light", exact});
+  const Result wrong = result_of(kTrials, {"extraction.bias_removal=wrong_light", exact});
   EXPECT_LT(known.mean_geodesic_deg, 0.8 * off.mean_geodesic_deg);
   EXPECT_LT(known.localisation.rms_px.value, 0.8 * off.localisation.rms_px.value);
   EXPECT_LT(known.mean_geodesic_deg, wrong.mean_geodesic_deg);
+}
+
+TEST(Passes, TheBiasIsThatOfACoarserMeshUnlessAskedOtherwise) {
+  const auto triangles = [](const std::vector<std::string>& settings) {
+    const Study study = study_with(1, settings);
+    const auto& bias_target = study.setups.front().bias_target;
+    return bias_target == nullptr ? 0.0 : static_cast<double>(bias_target->mesh.triangles.size());
+  };
+  const double all =
+      triangles({"extraction.bias_removal=wrong_light", "extraction.bias_mesh_percent=100"});
+  EXPECT_EQ(all, static_cast<double>(study_with(1, {}).target->mesh.triangles.size()));
+  EXPECT_NEAR(triangles({"extraction.bias_removal=wrong_light"}) / all, 0.25, 0.02);
+  EXPECT_NEAR(triangles({"extraction.bias_removal=known_light"}) / all, 0.25, 0.02);
+  EXPECT_EQ(triangles({"extraction.bias_removal=off"}), 0);
+  EXPECT_THROW(study_with(1, {"extraction.bias_mesh_percent=0"}), InputError);
+  EXPECT_THROW(study_with(1, {"extraction.bias_mesh_percent=101"}), InputError);
 }
 
 // Of the target, a dot at fifty times the range, nothing is to be seen: the first pass finds what

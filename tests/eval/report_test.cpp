@@ -559,6 +559,16 @@ TEST(FrameSvg, CutsLinesAtTheirWindow) {
   EXPECT_THAT(feature_marks(observation, record, {}), Not(HasSubstr("layer-lines")));
 }
 
+TEST(FrameSvg, DrawsTheEdgePixelsThatAnOutlineWasLaidOn) {
+  Observation observation;
+  observation.window = {10, 20, 11, 11};
+  const ObservationRecord record = missing("a", ObservationStatus::kTooFewEdgePixels);
+  EXPECT_THAT(feature_marks(observation, record, {}), Not(HasSubstr("layer-edges")));
+  observation.contour = {{12.25, 22}, {13, 22.5}};
+  EXPECT_THAT(feature_marks(observation, record, {}),
+              HasSubstr("<path class=\"layer-edges edges\" d=\"M12.25 22h0M13 22.5h0\"/>"));
+}
+
 TEST(FrameSvg, DrawsOutlinesAsClosedPaths) {
   EXPECT_EQ(outline_path({{{0, 0.25}, {1.5, 0}, {1, 2}}}), "M0 0.25L1.5 0L1 2Z");
   EXPECT_EQ(outline_path({}), "");

@@ -165,6 +165,7 @@ INSTANTIATE_TEST_SUITE_P(All, OnAPlate,
                                          Promise{"lsd_intersection", 0.30, 0.2},
                                          Promise{"model_edges", 0.12, 0.4},
                                          Promise{"contour", 0.15, 0.05},
+                                         Promise{"edges_else_contour", 0.12, 0.4},
                                          Promise{"harris_subpixel", 0.40, 0.1}),
                          [](const auto& one) { return std::string(one.param.extractor); });
 

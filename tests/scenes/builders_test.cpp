@@ -24,6 +24,7 @@
 #include "scenes/builders/boeing707.h"
 #include "scenes/builders/cube.h"
 #include "scenes/builders/target_file.h"
+#include "scenes/random.h"
 #include "scenes/target.h"
 
 namespace sightline {
@@ -440,6 +441,25 @@ TEST_F(Boeing707Test, NoseIsStillSeenWhenItPoints35DegreesAway) {
     }
     EXPECT_GT(greatest_height, 0) << "seen from roll " << roll_deg;
   }
+}
+
+// The features that the mesh does not hide; from behind it hides the nose and the engines' fronts.
+TEST_F(Boeing707Test, AtLeastFiveFeaturesAreSeenFromEverySide) {
+  constexpr int kViews = 400;
+  constexpr int kFewest = 5;
+  const Occluder occluder(mesh_);
+  size_t most_hidden = 0;
+  for (int i = 0; i < kViews; ++i) {
+    RandomStream stream(1, "views", static_cast<uint64_t>(i));
+    const Eigen::Vector3d eye_m = 1400 * stream.rotation().col(0);
+    const auto seen =
+        std::count_if(features_.begin(), features_.end(), [&](const TargetFeature& feature) {
+          return !occluder.hides(feature.position_m, eye_m, feature.clearance_m);
+        });
+    EXPECT_GE(seen, kFewest) << "from " << eye_m.transpose();
+    most_hidden = std::max(most_hidden, features_.size() - static_cast<size_t>(seen));
+  }
+  EXPECT_GE(most_hidden, 5u) << "nothing is hidden from anywhere?";
 }
 
 TEST_F(Boeing707Test, IsSmallEnoughToRenderFast) {
