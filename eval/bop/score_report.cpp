@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
+#include "eval/bop/score_pictures.h"
 #include "eval/report/distributions.h"
 #include "eval/report/page.h"
 #include "eval/report/text.h"
@@ -23,6 +24,7 @@ namespace mustache = kainjow::mustache;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr size_t kMostObjects = 12;  // with curves of their own
 constexpr size_t kMostWorst = 30;
+constexpr size_t kMostPictures = 12;  // of them
 
 constexpr const char* kAnswer = R"html(
 <p class="question">How good are the poses of {{results}}?</p>
@@ -333,6 +335,12 @@ std::string worst_html(const ScoreReportInput& input) {
                     std::move(rows));
 }
 
+std::string pictures_html(const ScoreReportInput& input) {
+  const std::vector<const BopTarget*> worst = worst_of(input);
+  const size_t count = std::min(worst.size(), kMostPictures);
+  return score_pictures(input.truth, std::span(worst).first(count), input.estimates);
+}
+
 std::string definitions_html(const ScoreReportInput& input) {
   mustache::data facts(mustache::data::type::list);
   const auto add = [&](const std::string& key, const std::string& value) {
@@ -353,16 +361,17 @@ std::vector<PageSection> sections_of(const ScoreReportInput& input) {
       {"recalls", "Recall by threshold", "", recall_charts(input)},
       {"cumulative", "Cumulative errors", "", error_charts(input, "cumulative", cumulative_chart)},
       {"boxes", "Spread of the errors", "", error_charts(input, "boxes", box_chart)},
-      {"worst", "Worst estimates", worst_html(input), {}},
+      {"worst", "Worst estimates", worst_html(input) + pictures_html(input), {}},
       {"definitions", "Provenance and definitions", definitions_html(input), {}}};
 }
 
 }  // namespace
 
 std::vector<Chart> score_charts(const ScoreReportInput& input) {
-  std::vector<Chart> charts;
-  for (PageSection& section : sections_of(input)) {
-    std::move(section.charts.begin(), section.charts.end(), std::back_inserter(charts));
+  std::vector<Chart> charts = recall_charts(input);
+  for (std::vector<Chart> more : {error_charts(input, "cumulative", cumulative_chart),
+                                  error_charts(input, "boxes", box_chart)}) {
+    std::move(more.begin(), more.end(), std::back_inserter(charts));
   }
   return charts;
 }

@@ -15,25 +15,6 @@ namespace {
 constexpr int kNearPx = 2;         // masks of other programs differ by about a pixel
 constexpr uint8_t kOtherBody = 2;  // index of the body plus one, as Frame::body_ids has them
 
-// One channel of 8 or 16 bits; empty where the file has no such picture.
-cv::Mat read_grey(const std::filesystem::path& file) {
-  const cv::Mat picture = read_picture(file);
-  if (picture.depth() != CV_8U && picture.depth() != CV_16U) return {};
-  cv::Mat grey;
-  switch (picture.channels()) {
-    case 1:
-      return picture;
-    case 3:
-      cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
-      return grey;
-    case 4:
-      cv::cvtColor(picture, grey, cv::COLOR_BGRA2GRAY);
-      return grey;
-    default:
-      return {};
-  }
-}
-
 // Takes from the target what the mask of its visible pixels leaves out.
 void hide_behind_others(const cv::Mat& visible_mask, Frame& frame) {
   cv::Mat near_visible;
@@ -60,7 +41,7 @@ SetFrame read_set_frame(const Study& study, const ImageSetup& setup, const Sight
   scene.target = study.target;
   scene.camera = sighting.camera;
   scene.cam_from_target = sighting.cam_from_target;
-  out.frame.image = read_grey(sighting.picture);
+  out.frame.image = read_grey_picture(sighting.picture);
   if (out.frame.image.empty()) {
     out.problem = "picture unreadable";
     return out;
@@ -74,7 +55,7 @@ SetFrame read_set_frame(const Study& study, const ImageSetup& setup, const Sight
   }
   state_truth(scene, out.frame);
   if (sighting.visible_mask.empty()) return out;
-  const cv::Mat mask = read_grey(sighting.visible_mask);
+  const cv::Mat mask = read_grey_picture(sighting.visible_mask);
   if (mask.size() == out.frame.image.size()) {
     hide_behind_others(mask, out.frame);
   } else {

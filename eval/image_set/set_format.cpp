@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "eval/image_set/formats/formats.h"
 #include "scenes/input_error.h"
@@ -52,6 +53,24 @@ cv::Mat read_picture(const std::filesystem::path& file) {
     return cv::imread(file.string(), cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
     return {};
+  }
+}
+
+cv::Mat read_grey_picture(const std::filesystem::path& file) {
+  const cv::Mat picture = read_picture(file);
+  if (picture.depth() != CV_8U && picture.depth() != CV_16U) return {};
+  cv::Mat grey;
+  switch (picture.channels()) {
+    case 1:
+      return picture;
+    case 3:
+      cv::cvtColor(picture, grey, cv::COLOR_BGR2GRAY);
+      return grey;
+    case 4:
+      cv::cvtColor(picture, grey, cv::COLOR_BGRA2GRAY);
+      return grey;
+    default:
+      return {};
   }
 }
 

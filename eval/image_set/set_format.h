@@ -60,5 +60,7 @@ std::string png_bytes(const cv::Mat& picture);
 std::string tiff_bytes(const cv::Mat& picture);
 /// The picture in a file, as it is; empty when it is not whole.
 cv::Mat read_picture(const std::filesystem::path& file);
+/// The same as grey levels, one channel of 8 or 16 bits; empty where the file has no such picture.
+cv::Mat read_grey_picture(const std::filesystem::path& file);
 
 }  // namespace sightline

@@ -6,6 +6,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "renderer/truth.h"
+
 namespace sightline {
 namespace {
 
@@ -25,6 +27,21 @@ int subdivision(const Camera& camera) {
 // Centres of parts lie at (c + 1/2) / factor - 1/2 of the coarse pixels.
 Eigen::Vector2d coarse_pixel(const cv::Point& part, int factor) {
   return Eigen::Vector2d((part.x + 0.5) / factor - 0.5, (part.y + 0.5) / factor - 0.5);
+}
+
+// The borders of what is covered, which has `factor` parts a pixel each way.
+Outline traced(const cv::Mat& covered, int factor) {
+  std::vector<std::vector<cv::Point>> borders;
+  cv::findContours(covered, borders, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
+  Outline outline;
+  for (const std::vector<cv::Point>& border : borders) {
+    if (cv::contourArea(border) < kMinAreaPx2) continue;
+    std::vector<cv::Point> simple;
+    cv::approxPolyDP(border, simple, kSimplificationPx, /*closed=*/true);
+    std::vector<Eigen::Vector2d>& polygon = outline.emplace_back();
+    for (const cv::Point& part : simple) polygon.push_back(coarse_pixel(part, factor));
+  }
+  return outline;
 }
 
 }  // namespace
@@ -47,18 +64,12 @@ Outline target_outline(Renderer& renderer, const Scene& scene, const Pose& cam_f
   posed.camera = finer(scene.camera, factor);
   if (!why_not_imageable(posed).empty()) return {};
 
-  const cv::Mat covered = renderer.render_part_ids(posed) != 0;
-  std::vector<std::vector<cv::Point>> borders;
-  cv::findContours(covered, borders, cv::RETR_EXTERNAL, cv::CHAIN_APPROX_SIMPLE);
-  Outline outline;
-  for (const std::vector<cv::Point>& border : borders) {
-    if (cv::contourArea(border) < kMinAreaPx2) continue;
-    std::vector<cv::Point> simple;
-    cv::approxPolyDP(border, simple, kSimplificationPx, /*closed=*/true);
-    std::vector<Eigen::Vector2d>& polygon = outline.emplace_back();
-    for (const cv::Point& part : simple) polygon.push_back(coarse_pixel(part, factor));
-  }
-  return outline;
+  return traced(renderer.render_part_ids(posed) != 0, factor);
+}
+
+Outline mesh_outline(const Mesh& mesh, const Camera& camera, const Pose& cam_from_mesh) {
+  const int factor = subdivision(camera);
+  return traced(depth_alone(mesh, finer(camera, factor), cam_from_mesh) > 0, factor);
 }
 
 }  // namespace sightline

@@ -234,13 +234,18 @@ TEST(Page, DrawsTheScoresOfOthersInABrowser) {
       0);
   const Opened opened = open_page(folder.path(), folder.path() / "out" / "report.html",
                                   std::string(kPainted) +
-                                      "return {painted, sections: "
+                                      "return {painted, outlines: "
+                                      "document.querySelectorAll('#worst .outline').length, "
+                                      "zooms: document.querySelectorAll('#worst .zoom').length, "
+                                      "sections: "
                                       "[...document.querySelectorAll('section')].map((s) => "
                                       "s.id)};");
   EXPECT_EQ(opened.console, "");
   ASSERT_EQ(opened.saw["painted"].size(), 4u);  // two recalls, curves, boxes
   for (const auto& canvas : opened.saw["painted"]) EXPECT_GE(canvas["colours"], 2) << canvas;
   EXPECT_EQ(opened.saw["sections"].size(), 7u);
+  EXPECT_EQ(opened.saw["outlines"], 2);  // of the one estimate: true, estimated
+  EXPECT_EQ(opened.saw["zooms"], 1);
   EXPECT_THAT(opened.dom, HasSubstr("1 of 2 instances are missed"));
 }
 
