@@ -3,6 +3,8 @@
 #include "eval/image_set/set_format.h"
 
 #include <array>
+#include <fstream>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -18,6 +20,19 @@ std::string encoded(const char* extension, const cv::Mat& picture) {
   std::vector<uchar> bytes;
   cv::imencode(extension, picture, bytes);  // no parameters: any is slower
   return {bytes.begin(), bytes.end()};
+}
+
+// What is torn off a JPEG is filled in with grey when it is read, and nobody told. Its end marker
+// is looked for in the second half: a thumbnail at the beginning may have one of its own.
+bool is_torn_jpeg(const std::filesystem::path& file) {
+  constexpr std::string_view kBegin = "\xff\xd8";
+  constexpr std::string_view kEnd = "\xff\xd9";
+  std::ifstream stream(file, std::ios::binary);
+  std::string bytes(kBegin.size(), '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  if (!stream || bytes != kBegin) return false;
+  bytes.append(std::istreambuf_iterator<char>(stream), {});
+  return bytes.find(kEnd, bytes.size() / 2) == std::string::npos;
 }
 
 }  // namespace
@@ -49,6 +64,7 @@ std::string tiff_bytes(const cv::Mat& picture) {
 }
 
 cv::Mat read_picture(const std::filesystem::path& file) {
+  if (is_torn_jpeg(file)) return {};
   try {
     return cv::imread(file.string(), cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {

@@ -262,8 +262,10 @@ FeatureDrawings draw_features(const Trial& trial, bool has_picture) {
 }
 
 // What a picture leaves out of the image.
-std::string reduction_text(const FramePicture& picture) {
-  if (picture.png_url.empty()) return "It could not be imaged.";
+std::string reduction_text(const Study& study, const FramePicture& picture) {
+  if (picture.png_url.empty()) {
+    return study.sightings ? "It could not be run." : "It could not be imaged.";
+  }
   std::string text;
   if (picture.pixels.size() != picture.image) {
     text = fmt::format("The picture is the part about the target of {} x {} pixels.",
@@ -292,7 +294,7 @@ mustache::data frame_section(const Study& study, const FrameEvidence& frame, siz
       {"image", study.sightings ? ", " + study.sighting_of(record.trial).image : ""},
       {"theta", triple(attitude_deg(record.true_cam_from_target.rotation), 1)},
       {"t", triple(record.true_cam_from_target.translation, 2)},
-      {"reduction", reduction_text(picture)},
+      {"reduction", reduction_text(study, picture)},
       {"has_image", has_picture},
       {"png", picture.png_url},
       {"x", fmt::format("{}", picture.pixels.x - 0.5)},

@@ -15,6 +15,7 @@
 
 #include "eval/evaluate/sightings.h"
 #include "eval/image_set/models.h"
+#include "eval/image_set/set_format.h"
 #include "eval/trial.h"
 #include "scenes/input_error.h"
 #include "tests/eval/program.h"
@@ -499,10 +500,25 @@ TEST_F(ForeignSet, GivesEachInstanceThePriorThatIsNear) {
 
 TEST_F(ForeignSet, FailsInTheTrialWhosePictureIsTorn) {
   folder_.write("set/test_camera/000005/rgb/000017.png", "no picture");
+  EXPECT_FALSE(read_picture(scene_ / "rgb/000003.jpg").empty());
   const Outcome torn = evaluate("--object 4 --solvers lspe --quiet");
   EXPECT_EQ(torn.exit_code, 4);
   EXPECT_THAT(read_whole(folder_.path() / "out/results.csv"),
               AllOf(HasSubstr("000003.jpg,5,3,1,lspe,ok"), HasSubstr("lspe,picture unreadable")));
+}
+
+// The reader of JPEGs would fill in what is missing.
+TEST_F(ForeignSet, FailsInTheTrialWhoseJpegIsTorn) {
+  const fs::path file = scene_ / "rgb/000003.jpg";
+  const std::string whole = read_whole(file);
+  fs::copy_file(file, scene_ / "rgb/000017.jpg");
+  fs::remove(scene_ / "rgb/000017.png");
+  std::ofstream(scene_ / "rgb/000017.jpg", std::ios::binary) << whole.substr(0, whole.size() - 900);
+  const Outcome torn = evaluate("--object 4 --solvers lspe --quiet");
+  EXPECT_EQ(torn.exit_code, 4) << torn.output;
+  EXPECT_THAT(read_whole(folder_.path() / "out/results.csv"),
+              AllOf(HasSubstr("000003.jpg,5,3,1,lspe,ok"), HasSubstr("lspe,picture unreadable")));
+  EXPECT_THAT(read_whole(folder_.path() / "out/report.html"), HasSubstr("It could not be run."));
 }
 
 TEST_F(ForeignSet, IsRefusedInOneLineThatNamesTheFile) {
