@@ -71,12 +71,14 @@ std::vector<SharedEdge> turning_edges(const Mesh& mesh) {
   return edges;
 }
 
-bool is_on(const Eigen::Vector3d& point, const Edge& edge) {
+// `clearance_m` is that of the feature: its edges may be lines laid through bent ones.
+bool is_on(const Eigen::Vector3d& point, const Edge& edge, double clearance_m) {
   const Eigen::Vector3d along = edge.end_m - edge.begin_m;
   const double length_m = along.norm();
-  const double at = (point - edge.begin_m).dot(along) / (length_m * length_m);
-  const double off_m = (point - edge.begin_m - at * along).norm();
-  return off_m <= kOnEdge * length_m && at >= -kOnEdge && at <= 1 + kOnEdge;
+  const double allowed_m = std::max(kOnEdge * length_m, clearance_m);
+  const double at_m = (point - edge.begin_m).dot(along) / length_m;
+  const double off_m = (point - edge.begin_m - at_m / length_m * along).norm();
+  return off_m <= allowed_m && at_m >= -allowed_m && at_m <= length_m + allowed_m;
 }
 
 double distance_m(const Eigen::Vector3d& point, const MeshEdge& edge) {
@@ -95,7 +97,7 @@ std::set<int> parts_named(const Mesh& mesh, const std::vector<std::string>& name
   return parts;
 }
 
-double bevel_m(const Edge& own, const std::vector<MeshEdge>& edges) {
+double bevel_m(const Edge& own, const std::vector<MeshEdge>& edges, double clearance_m) {
   constexpr double kParallelCosine = 0.9;
   const double turn_cosine = std::cos(10 * std::numbers::pi / 180);
   const Eigen::Vector3d along = own.end_m - own.begin_m;
@@ -103,7 +105,8 @@ double bevel_m(const Edge& own, const std::vector<MeshEdge>& edges) {
   for (const MeshEdge& edge : edges) {
     const Eigen::Vector3d direction = (edge.end_m - edge.begin_m).normalized();
     if (std::abs(direction.dot(along)) < kParallelCosine * along.norm()) continue;
-    if (edge.cos_turn() > turn_cosine || is_on(edge.begin_m, own) || is_on(edge.end_m, own)) {
+    if (edge.cos_turn() > turn_cosine || is_on(edge.begin_m, own, clearance_m) ||
+        is_on(edge.end_m, own, clearance_m)) {
       continue;
     }
     for (const double t : {0.25, 0.5, 0.75}) {
@@ -122,7 +125,10 @@ FeatureShape shape_of(const TargetFeature& feature, const Mesh& mesh,
     for (const SharedEdge& shared : edges) {
       for (size_t i = 0; i < feature.edges.size(); ++i) {
         const Edge& own = feature.edges[i];
-        if (!is_on(shared.edge.begin_m, own) || !is_on(shared.edge.end_m, own)) continue;
+        if (!is_on(shared.edge.begin_m, own, feature.clearance_m) ||
+            !is_on(shared.edge.end_m, own, feature.clearance_m)) {
+          continue;
+        }
         shape.along[i].push_back(shared.edge);
         if (feature.parts.empty()) parts.insert(shared.part.begin(), shared.part.end());
       }
@@ -143,7 +149,9 @@ FeatureShape shape_of(const TargetFeature& feature, const Mesh& mesh,
     total_m += length_m;
   }
   if (total_m > 0) shape.inside_m /= total_m;
-  for (const Edge& own : feature.edges) shape.bevel_m.push_back(bevel_m(own, shape.edges));
+  for (const Edge& own : feature.edges) {
+    shape.bevel_m.push_back(bevel_m(own, shape.edges, feature.clearance_m));
+  }
   return shape;
 }
 

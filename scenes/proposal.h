@@ -16,7 +16,7 @@ struct ProposalOptions {
   int max_features = 16;
   double sharp_angle_deg = 20;         ///< the faces at a crease turn by this at least
   double straightness = 0.0015;        ///< an edge's vertices lie this close to its line
-  double min_length = 0.02;            ///< of each of the two edges
+  double min_length = 0.012;           ///< of each of the two edges: a tip's chord
   double max_gap = 0.015;              ///< from the end of an edge to where the lines meet
   double min_angle_deg = 20;           ///< between the edges, and from being one line
   double min_distance = 0.02;          ///< between features

@@ -121,6 +121,26 @@ TEST(Proposal, NearlyStraightEdgesAreOne) {
   }
 }
 
+// Else the feature has no outline, and extractors that go by the mesh have nothing to go by.
+TEST(Proposal, TheMeshsOwnEdgesLieWithinTheClearanceOfThoseProposed) {
+  const double size_m = std::sqrt(5.0);
+  const Mesh mesh = plate(0.3 * ProposalOptions{}.straightness * size_m);
+  const auto corners = propose(mesh);
+  ASSERT_EQ(corners.size(), 4u);
+  int without_clearance = 0;
+  for (const FeatureProposal& corner : corners) {
+    TargetFeature feature = corner.feature;
+    const FeatureShape shape = feature_shapes(mesh, {feature}).front();
+    EXPECT_FALSE(shape.edges.empty());
+    for (const auto& along : shape.along) EXPECT_FALSE(along.empty());
+    feature.clearance_m = 0;
+    const FeatureShape bare = feature_shapes(mesh, {feature}).front();
+    without_clearance += std::any_of(bare.along.begin(), bare.along.end(),
+                                     [](const auto& along) { return along.empty(); });
+  }
+  EXPECT_GT(without_clearance, 0) << "the edges are not as bent as they should be";
+}
+
 TEST(Proposal, NamesComeFromParts) {
   std::set<std::string> names;
   for (const FeatureProposal& corner : propose(plate(0))) names.insert(corner.feature.name);
