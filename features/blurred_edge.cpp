@@ -57,37 +57,40 @@ Band band_of(const cv::Mat& image, const ImageLine& line, const Stretch& stretch
   return band;
 }
 
-// The normal law's density and cumulative, by linear interpolation to 1e-5.
+// The normal law's cumulative and density, by linear interpolation to 1e-5.
 class NormalLaw {
  public:
-  NormalLaw() {
-    for (int i = 0; i < kSize; ++i) {
-      const double z = i / kPerUnit - kReach;
-      cumulative_[i] = 0.5 * std::erfc(-z / std::numbers::sqrt2);
-      density_[i] = std::exp(-0.5 * z * z) * (std::numbers::inv_sqrtpi / std::numbers::sqrt2);
-    }
-  }
-
   struct Value {
     double cumulative, density;
   };
+
+  NormalLaw() {
+    for (int i = 0; i < kSize; ++i) {
+      const double z = i / kPerUnit - kReach;
+      values_[i] = {0.5 * std::erfc(-z / std::numbers::sqrt2),
+                    std::exp(-0.5 * z * z) * (std::numbers::inv_sqrtpi / std::numbers::sqrt2)};
+    }
+  }
+
   Value at(double z) const {
     const double x = std::clamp((z + kReach) * kPerUnit, 0.0, kSize - 1.001);
     const int i = static_cast<int>(x);
     const double part = x - i;
-    return {cumulative_[i] + part * (cumulative_[i + 1] - cumulative_[i]),
-            density_[i] + part * (density_[i + 1] - density_[i])};
+    const Value& a = values_[i];
+    const Value& b = values_[i + 1];
+    return {a.cumulative + part * (b.cumulative - a.cumulative),
+            a.density + part * (b.density - a.density)};
   }
 
  private:
-  static constexpr double kReach = 6;
+  static constexpr int kReach = 6;
   static constexpr double kPerUnit = 64;
-  static constexpr int kSize = 2 * 6 * 64 + 1;
-  std::array<double, kSize> cumulative_, density_;
+  static constexpr int kSize = 2 * kReach * 64 + 1;
+  std::array<Value, kSize> values_;
 };
 
 struct Normal {
-  Matrix5d information = Matrix5d::Zero();  // its lower half
+  Matrix5d information = Matrix5d::Zero();
   Vector5d gradient = Vector5d::Zero();
   double squares = 0;
 };
@@ -105,7 +108,7 @@ Normal normal_equations(const Band& band, const Vector5d& x) {
     const double by_offset = -contrast * density / s;
     Vector5d row;
     row << by_offset, by_offset * pixel.along_px, 1 - cumulative, cumulative, by_offset * z;
-    sums.information.selfadjointView<Eigen::Lower>().rankUpdate(row);
+    sums.information.noalias() += row * row.transpose();
     sums.gradient.noalias() += row * residual;
     sums.squares += residual * residual;
   }

@@ -40,7 +40,7 @@ constexpr int kMostLines = 3;         // that an edge may have
 constexpr double kMostSquares = 9;    // of lines that agree on a point
 constexpr double kLeastAngleDeg = 2;  // between two lines
 constexpr double kMaxSdPx = 0.8;      // in its worst direction of a feature at a small angle
-constexpr double kFarReachPx = 100;   // of what is fitted to the grey levels
+constexpr double kFarReachPx = 80;    // of what is fitted to the grey levels
 constexpr size_t kEnoughSamples = 15;
 
 struct SamplePeaks {
@@ -265,7 +265,8 @@ std::vector<FoundLine> find_lines(const ExtractionInput& input, const GradientWi
 }
 
 // Of every edge one line or none, such that two or more agree on one point in the window: those
-// with the most support, less what the point is worth by the prior.
+// with the most support, less what the prior holds against the point. Where none agree, the best
+// of each, to say why they do not.
 std::vector<FoundLine> agreeing(const ExtractionInput& input,
                                 const std::vector<std::vector<FoundLine>>& lines_of,
                                 const cv::Rect& window) {
@@ -314,6 +315,10 @@ std::vector<FoundLine> agreeing(const ExtractionInput& input,
   }
   std::vector<FoundLine> agreed;
   for (const FoundLine* found : best) agreed.push_back(*found);
+  if (!agreed.empty()) return agreed;
+  for (const auto& candidates : lines_of) {
+    if (!candidates.empty()) agreed.push_back(candidates.front());
+  }
   return agreed;
 }
 
@@ -337,15 +342,16 @@ std::optional<ImageLine> refitted(const ExtractionInput& input, const FoundLine&
   constexpr double kOffCornerPx = 4;
   constexpr double kApartPx = 6;
   constexpr double kLeastStretchPx = 5;
+  constexpr double kFirstStretchPx = 30;
   const PredictedEdge edge =
       predict_edge(input.view, input.prediction, found.edge,
                    {kOffCornerPx, kFarReachPx, kApartPx, /*is_apart_from_creases=*/true});
   if (edge.is_soft || edge.samples.empty()) return std::nullopt;
   const Stretch run = longest_run(edge.samples);
   std::optional<ImageLine> line = found.line;
-  for (const double reach_px : {run.from_px + 36, run.to_px}) {
-    const double to_px = std::min(run.to_px, reach_px);
-    if (!(to_px - run.from_px >= kLeastStretchPx)) return std::nullopt;
+  if (!(run.to_px - run.from_px >= kLeastStretchPx)) return std::nullopt;
+  // The far end only once the near one has told where it is.
+  for (const double to_px : {std::min(run.from_px + kFirstStretchPx, run.to_px), run.to_px}) {
     const double sense = line->direction.dot(edge.direction) >= 0 ? 1 : -1;
     const double vertex_px = line->direction.dot(vertex - line->point);
     const double a = vertex_px + sense * run.from_px;

@@ -23,8 +23,8 @@ Localisation localisation_of(std::vector<std::string> settings) {
   return statistics.summary();
 }
 
-// Reached in 1000 trials: 97.5 % found, 0.097 px, 1.20 sigmas. Of 100 trials each must not be worse
-// than asked for by more than chance: its 95 % interval reaches as far.
+// 1000 trials have 97.6 % found, 0.2 % of them outliers, 0.091 px and 1.17 sigmas. 100 must not be
+// worse than these bounds by more than chance: their 95 % intervals reach as far.
 TEST(Cube, TwoPassesOfModelEdgesFindItsVerticesToATenthOfAPixel) {
   const Localisation cube =
       localisation_of({"extraction.line_intersection='model_edges'", "extraction.passes=2"});
