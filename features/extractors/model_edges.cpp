@@ -36,12 +36,12 @@ constexpr double kSamplesOfOne = 3;
 constexpr double kLeastScatterPx = 0.05;
 constexpr double kOtherPartPx = 0.8;  // more sigma for an edge against another part of the target
 
-constexpr int kMostLines = 3;         // that an edge may have
-constexpr double kMostSquares = 9;    // of lines that agree on a point
-constexpr double kLeastAngleDeg = 2;  // between two lines
-constexpr double kMaxSdPx = 0.8;      // in its worst direction of a feature at a small angle
-constexpr double kFarReachPx = 80;    // of what is fitted to the grey levels
-constexpr size_t kEnoughSamples = 15;
+constexpr int kMostLines = 3;          // that an edge may have
+constexpr double kMostSquares = 9;     // of lines that agree on a point
+constexpr double kLeastAngleDeg = 2;   // between two lines
+constexpr double kMaxSdPx = 0.8;       // in its worst direction of a feature at a small angle
+constexpr double kFarReachPx = 80;     // of what is fitted to the grey levels
+constexpr size_t kEnoughSamples = 15;  // with fewer, an edge is looked at farther away
 
 struct SamplePeaks {
   double along_px;
@@ -234,6 +234,26 @@ struct SearchedEdge {
   std::vector<OutlineSample> samples;
 };
 
+// The feature's edges of which enough is to be seen.
+std::vector<SearchedEdge> searched_edges(const ExtractionInput& input) {
+  const SearchOptions& options = input.options.search;
+  const double reach_px = is_prior_good(input) ? options.good_reach_px : options.reach_px;
+  std::vector<SearchedEdge> edges;
+  if (input.view.target == nullptr) return edges;
+  const auto& own = input.view.target->features[input.prediction.feature].edges;
+  for (int i = 0; i < static_cast<int>(own.size()); ++i) {
+    PredictedEdge edge = predict_edge(input.view, input.prediction, i, {kGapPx, reach_px});
+    if (!edge.is_soft && edge.samples.size() < kEnoughSamples) {
+      // Edges that part at a small angle blur into one as far as that.
+      edge = predict_edge(input.view, input.prediction, i, {kGapPx, kFarReachPx});
+    }
+    if (edge.samples.size() < kFewestSamples) continue;
+    std::vector<OutlineSample> samples = samples_of(edge);
+    edges.push_back({i, std::move(edge), std::move(samples)});
+  }
+  return edges;
+}
+
 // The lines along a predicted edge, best first.
 std::vector<FoundLine> find_lines(const ExtractionInput& input, const GradientWindow& gradients,
                                   const SearchedEdge& searched, int polarity) {
@@ -381,27 +401,14 @@ void extract_model_edges(const ExtractionInput& input, Observation& observation)
     observation.status = ObservationStatus::kOutsideImage;
     return;
   }
-  const SearchOptions& options = input.options.search;
-  const double reach_px = is_prior_good(input) ? options.good_reach_px : options.reach_px;
-  std::vector<SearchedEdge> edges;
-  std::vector<OutlineSample> all;
-  const Target* const target = input.view.target;
-  const size_t count = target ? target->features[input.prediction.feature].edges.size() : 0;
-  for (size_t i = 0; i < count; ++i) {
-    const int index = static_cast<int>(i);
-    PredictedEdge edge = predict_edge(input.view, input.prediction, index, {kGapPx, reach_px});
-    if (!edge.is_soft && edge.samples.size() < kEnoughSamples) {
-      // Edges that part at a small angle blur into one as far as that.
-      edge = predict_edge(input.view, input.prediction, index, {kGapPx, kFarReachPx});
-    }
-    if (edge.samples.size() < kFewestSamples) continue;
-    std::vector<OutlineSample> samples = samples_of(edge);
-    all.insert(all.end(), samples.begin(), samples.end());
-    edges.push_back({index, std::move(edge), std::move(samples)});
-  }
+  const std::vector<SearchedEdge> edges = searched_edges(input);
   if (edges.size() < 2) {
     observation.status = ObservationStatus::kNoOutline;
     return;
+  }
+  std::vector<OutlineSample> all;
+  for (const SearchedEdge& edge : edges) {
+    all.insert(all.end(), edge.samples.begin(), edge.samples.end());
   }
   const GradientWindow gradients = gradients_around(input, all);
   const int polarity = outline_polarity(input, all);
@@ -409,10 +416,11 @@ void extract_model_edges(const ExtractionInput& input, Observation& observation)
   for (const SearchedEdge& edge : edges) {
     lines_of.push_back(find_lines(input, gradients, edge, polarity));
   }
-  std::vector<FoundLine> found = agreeing(input, lines_of, observation.window);
+  const std::vector<FoundLine> found = agreeing(input, lines_of, observation.window);
   for (const FoundLine& line : found) observation.lines.push_back(line.line);
   meet(kLeastAngleDeg, observation);
   if (observation.status != ObservationStatus::kFound) return;
+
   for (size_t i = 0; i < found.size(); ++i) {
     auto line = refitted(input, found[i], observation.pixel, polarity);
     if (!line) continue;
