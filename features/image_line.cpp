@@ -10,14 +10,10 @@
 #include <Eigen/LU>
 
 namespace sightline {
-namespace {
-
 bool contains(const cv::Rect& window, const Eigen::Vector2d& pixel) {
   return pixel.x() >= window.x - 0.5 && pixel.y() >= window.y - 0.5 &&
          pixel.x() <= window.br().x - 0.5 && pixel.y() <= window.br().y - 0.5;
 }
-
-}  // namespace
 
 ImageLine fit_line(std::vector<Eigen::Vector2d> edge_pixels, double least_sd_px) {
   ImageLine line;
@@ -52,36 +48,61 @@ double offset_variance_px2(const ImageLine& line, const Eigen::Vector2d& pixel) 
          along * along * line.covariance(1, 1);
 }
 
+std::optional<Meeting> meeting_of(std::span<const ImageLine> lines, double min_angle_deg) {
+  double greatest_sine = 0;
+  for (size_t i = 0; i < lines.size(); ++i) {
+    for (size_t j = i + 1; j < lines.size(); ++j) {
+      const Eigen::Vector2d& a = lines[i].direction;
+      const Eigen::Vector2d& b = lines[j].direction;
+      greatest_sine = std::max(greatest_sine, std::abs(a.x() * b.y() - a.y() * b.x()));
+    }
+  }
+  if (greatest_sine < std::sin(min_angle_deg * std::numbers::pi / 180)) return std::nullopt;
+  // A line's variance depends on where it is asked for, so twice: the first time at its own point.
+  // Two lines meet where they meet, whatever their weights.
+  Meeting meeting;
+  for (int round = 0; round < 2; ++round) {
+    Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    const auto weight_of = [&](const ImageLine& line) {
+      return 1 / (round == 0 ? line.covariance(0, 0) : offset_variance_px2(line, meeting.pixel));
+    };
+    for (const ImageLine& line : lines) {
+      const Eigen::Vector2d normal(-line.direction.y(), line.direction.x());
+      information += weight_of(line) * normal * normal.transpose();
+      sum += weight_of(line) * normal * normal.dot(line.point);
+    }
+    meeting.covariance_px2 = information.inverse();
+    meeting.pixel = meeting.covariance_px2 * sum;
+  }
+  for (const ImageLine& line : lines) {
+    const Eigen::Vector2d normal(-line.direction.y(), line.direction.x());
+    const double distance_px = normal.dot(line.point - meeting.pixel);
+    meeting.squares += distance_px * distance_px / offset_variance_px2(line, meeting.pixel);
+  }
+  return meeting;
+}
+
 void meet(double min_angle_deg, Observation& observation) {
   if (observation.lines.size() < 2) {
     observation.status = ObservationStatus::kTooFewEdgePixels;
     return;
   }
-  const ImageLine& a = observation.lines[0];
-  const ImageLine& b = observation.lines[1];
-  const double sine =
-      std::abs(a.direction.x() * b.direction.y() - a.direction.y() * b.direction.x());
-  if (sine < std::sin(min_angle_deg * std::numbers::pi / 180)) {
+  const auto meeting = meeting_of(observation.lines, min_angle_deg);
+  if (!meeting) {
     observation.status = ObservationStatus::kParallelLines;
     return;
   }
-  // Rows of `normals` times the pixel equal the lines' offsets, so the pixel's covariance is that
-  // of the two independent offsets carried through the inverse.
-  Eigen::Matrix2d normals;
-  normals << -a.direction.y(), a.direction.x(), -b.direction.y(), b.direction.x();
-  const Eigen::Matrix2d inverse_normals = normals.inverse();
-  const Eigen::Vector2d pixel =
-      inverse_normals * Eigen::Vector2d(normals.row(0).dot(a.point.transpose()),
-                                        normals.row(1).dot(b.point.transpose()));
-  if (!contains(observation.window, pixel)) {
+  if (!contains(observation.window, meeting->pixel)) {
     observation.status = ObservationStatus::kOutsideWindow;
     return;
   }
-  const Eigen::Vector2d variances(offset_variance_px2(a, pixel), offset_variance_px2(b, pixel));
+  // Lines that miss each other by more than their sigmas err by more (Birge, Phys. Rev. 40, 1932).
+  const double to_spare = static_cast<double>(observation.lines.size()) - 2;
+  const double excess = to_spare > 0 ? std::max(1.0, meeting->squares / to_spare) : 1;
   observation.status = ObservationStatus::kFound;
-  observation.pixel = pixel;
-  observation.covariance_px2 =
-      inverse_normals * variances.asDiagonal() * inverse_normals.transpose();
+  observation.pixel = meeting->pixel;
+  observation.covariance_px2 = excess * meeting->covariance_px2;
 }
 
 }  // namespace sightline

@@ -5,6 +5,8 @@
 // share.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -25,7 +27,21 @@ std::vector<Eigen::Vector2d> pixels_near(const std::vector<Eigen::Vector2d>& pix
 /// The variance of a line's offset along its normal, abreast of a pixel.
 double offset_variance_px2(const ImageLine& line, const Eigen::Vector2d& pixel);
 
-/// Sets the observation to where its two lines meet, with the covariance that theirs give; or says
+/// True where the pixel lies in the window.
+bool contains(const cv::Rect& window, const Eigen::Vector2d& pixel);
+
+/// Where lines meet.
+struct Meeting {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix2d covariance_px2;
+  double squares = 0;  ///< of the lines' distances from it, each in its own sigmas; 0 for two lines
+};
+
+/// The point of least squares of two or more lines, each weighed by its variance abreast of it;
+/// none where no two of them are `min_angle_deg` apart.
+std::optional<Meeting> meeting_of(std::span<const ImageLine> lines, double min_angle_deg);
+
+/// Sets the observation to where its lines meet, with the covariance that theirs give; or says
 /// why they do not: fewer than two, less than `min_angle_deg` apart, or meeting outside the window.
 void meet(double min_angle_deg, Observation& observation);
 

@@ -58,7 +58,7 @@ struct Observation {
   double contrast_grey = 0;
   Eigen::Vector2d predicted_px = Eigen::Vector2d::Zero();
   cv::Rect window;                       ///< where it looked, inside the image
-  std::vector<ImageLine> lines;          ///< a line intersection's two lines, if found
+  std::vector<ImageLine> lines;          ///< that a line intersection was found by: two or more
   std::vector<Eigen::Vector2d> corners;  ///< all the corners a corner extractor chose from
   std::vector<Eigen::Vector2d> contour;  ///< the edge pixels an outline was laid on
 };

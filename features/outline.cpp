@@ -75,6 +75,28 @@ const FeatureShape* shape_of(const PredictedView& view, const FeaturePrediction&
   return &view.target->shapes[prediction.feature];
 }
 
+// That edge in the image, unless it is farther than `reach_px` from a pixel.
+std::optional<Segment> segment_of(const Eye& eye, const MeshEdge& edge, bool is_reversed,
+                                  const Eigen::Vector2d& centre, double reach_px) {
+  const auto begin = eye.project(edge.begin_m);
+  const auto end = eye.project(edge.end_m);
+  if (!begin || !end) return std::nullopt;
+  Segment segment{*begin, *end, edge.begin_m, edge.end_m, {}};
+  if (is_reversed) {
+    std::swap(segment.begin, segment.end);
+    std::swap(segment.begin_m, segment.end_m);
+  }
+  const Eigen::Vector2d along = segment.end - segment.begin;
+  const double squared_length = along.squaredNorm();
+  if (!(squared_length > 0)) return std::nullopt;
+  const double nearest = std::clamp((centre - segment.begin).dot(along) / squared_length, 0., 1.);
+  if ((segment.begin + nearest * along - centre).norm() > reach_px) return std::nullopt;
+  // A face turned to the eye winds counter-clockwise as seen, so that the target is on the left;
+  // v points down.
+  segment.normal = Eigen::Vector2d(-along.y(), along.x()) / std::sqrt(squared_length);
+  return segment;
+}
+
 // The edges of the mesh between a face turned to the eye and one turned away, near a pixel.
 std::vector<Segment> silhouette(const Eye& eye, const FeatureShape& shape,
                                 const Eigen::Vector2d& centre, double reach_px) {
@@ -83,23 +105,23 @@ std::vector<Segment> silhouette(const Eye& eye, const FeatureShape& shape,
     const bool is_first_seen = edge.is_face_towards(0, eye.position_m());
     const bool is_second_seen = !edge.is_open && edge.is_face_towards(1, eye.position_m());
     if (is_first_seen == is_second_seen && !edge.is_open) continue;
-    const auto begin = eye.project(edge.begin_m);
-    const auto end = eye.project(edge.end_m);
-    if (!begin || !end) continue;
-    Segment segment{*begin, *end, edge.begin_m, edge.end_m, {}};
-    if (!is_first_seen) {
-      std::swap(segment.begin, segment.end);
-      std::swap(segment.begin_m, segment.end_m);
+    const auto segment = segment_of(eye, edge, !is_first_seen, centre, reach_px);
+    if (segment) segments.push_back(*segment);
+  }
+  return segments;
+}
+
+// The creases between two faces that are both turned to the eye, near a pixel.
+std::vector<Segment> seen_creases(const Eye& eye, const FeatureShape& shape,
+                                  const Eigen::Vector2d& centre, double reach_px) {
+  std::vector<Segment> segments;
+  for (const MeshEdge& edge : shape.edges) {
+    if (edge.is_open || edge.cos_turn() > kCreaseCosine) continue;
+    if (!edge.is_face_towards(0, eye.position_m()) || !edge.is_face_towards(1, eye.position_m())) {
+      continue;
     }
-    const Eigen::Vector2d along = segment.end - segment.begin;
-    const double squared_length = along.squaredNorm();
-    if (!(squared_length > 0)) continue;
-    const double nearest = std::clamp((centre - segment.begin).dot(along) / squared_length, 0., 1.);
-    if ((segment.begin + nearest * along - centre).norm() > reach_px) continue;
-    // A face turned to the eye winds counter-clockwise as seen, so that the target is on the left;
-    // v points down.
-    segment.normal = Eigen::Vector2d(-along.y(), along.x()) / std::sqrt(squared_length);
-    segments.push_back(segment);
+    const auto segment = segment_of(eye, edge, false, centre, reach_px);
+    if (segment) segments.push_back(*segment);
   }
   return segments;
 }
@@ -143,10 +165,9 @@ Eigen::Vector3d point_on(const Edge& edge, const Eye& eye, const Eigen::Vector2d
   return edge.begin_m + t * (edge.end_m - edge.begin_m);
 }
 
-// True where another stretch of the outline runs so near that the two edges blur into one.
+// True where another edge runs so near.
 bool has_neighbour(const std::vector<Segment>& segments, const Eigen::Vector2d& on_outline,
-                   const Eigen::Vector2d& normal) {
-  constexpr double kApartPx = 3.5;
+                   const Eigen::Vector2d& normal, double apart_px) {
   constexpr double kItselfPx = 0.5;
   const Eigen::Vector2d along(-normal.y(), normal.x());
   for (const Segment& segment : segments) {
@@ -156,7 +177,7 @@ bool has_neighbour(const std::vector<Segment>& segments, const Eigen::Vector2d& 
     const double t = from / (from - to);
     const double across =
         std::abs(normal.dot(segment.begin + t * (segment.end - segment.begin) - on_outline));
-    if (across > kItselfPx && across < kApartPx) return true;
+    if (across > kItselfPx && across < apart_px) return true;
   }
   return false;
 }
@@ -181,28 +202,31 @@ struct Looked {
 }  // namespace
 
 PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& prediction, int edge,
-                           double gap_px, double reach_px) {
+                           const EdgeStretch& stretch) {
   PredictedEdge predicted;
   predicted.begin = prediction.pixel;
-  predicted.direction = prediction.edge_direction[edge];
-  predicted.normal = Eigen::Vector2d(-predicted.direction.y(), predicted.direction.x());
   const FeatureShape* shape = shape_of(view, prediction);
   if (shape == nullptr) return predicted;
-  const int index = prediction.edge[edge];
-  const Edge& own = view.target->features[prediction.feature].edges[index];
+  const Edge& own = view.target->features[prediction.feature].edges[edge];
+  predicted.direction = image_direction(view.camera, view.cam_from_target, own);
+  predicted.normal = Eigen::Vector2d(-predicted.direction.y(), predicted.direction.x());
+  const double gap_px = stretch.gap_px;
   const Eye eye(view);
   const auto end = eye.project(own.end_m);
   if (!end) return predicted;
   const double length_px = predicted.direction.dot(*end - predicted.begin);
-  const double last_px = std::min(reach_px, length_px - gap_px);
+  const double last_px = std::min(stretch.reach_px, length_px - gap_px);
   if (!(last_px > gap_px)) return predicted;
 
-  const std::vector<MeshEdge>& along = shape->along[index];
+  const std::vector<MeshEdge>& along = shape->along[edge];
   const bool is_rounded = is_mostly_rounded(along);
   predicted.is_soft =
-      is_rounded || shape->bevel_m[index] < kBevelPx * eye.metres_per_px(own.begin_m);
+      is_rounded || shape->bevel_m[edge] < kBevelPx * eye.metres_per_px(own.begin_m);
   const double max_offset_px = is_rounded ? kMaxOffsetPx : kMaxCreaseOffsetPx;
   const auto segments = silhouette(eye, *shape, predicted.begin, last_px + kMaxOffsetPx);
+  const auto creases = stretch.is_apart_from_creases
+                           ? seen_creases(eye, *shape, predicted.begin, last_px + kMaxOffsetPx)
+                           : std::vector<Segment>();
   const auto pixel_at = [&](double along_px) -> Eigen::Vector2d {
     return predicted.begin + along_px * predicted.direction;
   };
@@ -240,7 +264,9 @@ PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& p
       offset_px = crossing->offset_px;
       point_m = crossing->point_m;
     }
-    if (has_neighbour(segments, pixel + offset_px * predicted.normal, predicted.normal)) continue;
+    const Eigen::Vector2d on_edge = pixel + offset_px * predicted.normal;
+    if (has_neighbour(segments, on_edge, predicted.normal, stretch.apart_px)) continue;
+    if (has_neighbour(creases, on_edge, predicted.normal, stretch.apart_px)) continue;
     if (along_px >= look_px) {
       look_px = along_px + kLookStepPx;
       if (!is_outline) point_m = point_on(own, eye, predicted.begin, predicted.direction, along_px);

@@ -38,10 +38,19 @@ struct OutlineSample {
   bool borders_target;
 };
 
-/// The first or second (0, 1) of a line intersection's predicted edges, from `gap_px` to `reach_px`
-/// from the feature and no nearer than `gap_px` to its other end.
+/// Which stretch of an edge is looked at.
+struct EdgeStretch {
+  double gap_px;    ///< kept off both its ends
+  double reach_px;  ///< how far from the feature
+  /// Other edges seen nearer than this leave no sample beside them: where it is enough that they do
+  /// not blur into one, those of the outline; else also the creases inside it.
+  double apart_px = 3.5;
+  bool is_apart_from_creases = false;
+};
+
+/// That edge of a line intersection, an index into its own.
 PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& prediction, int edge,
-                           double gap_px, double reach_px);
+                           const EdgeStretch& stretch);
 
 /// The outline within `reach_px` of a feature, a sample a pixel, where it is to be seen.
 std::vector<OutlineSample> predict_outline(const PredictedView& view,

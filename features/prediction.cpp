@@ -21,17 +21,6 @@ Eigen::Matrix<double, 2, 3> pixel_by_point(const Camera& camera, const Eigen::Ve
   return jacobian;
 }
 
-// The image direction of an edge at its beginning: the derivative of the projection along it.
-// A far end point would do as well, but may lie behind the camera.
-Eigen::Vector2d image_direction(const Camera& camera, const Pose& cam_from_target,
-                                const Edge& edge) {
-  const Eigen::Vector3d x = cam_from_target * edge.begin_m;
-  const Eigen::Vector3d d = cam_from_target.rotation * (edge.end_m - edge.begin_m);
-  const Eigen::Vector2d direction(camera.fx_px * (d.x() * x.z() - x.x() * d.z()),
-                                  camera.fy_px * (d.y() * x.z() - x.y() * d.z()));
-  return direction.norm() > 0 ? Eigen::Vector2d(direction.normalized()) : Eigen::Vector2d::UnitX();
-}
-
 // How well an edge is seen: its length in the image, up to what an extractor looks at; nothing
 // where the target hides it.
 double seen_length_px(const Target& target, const Edge& edge, const Camera& camera,
@@ -76,6 +65,17 @@ std::array<int, 2> best_seen(const Target& target, const TargetFeature& feature,
 }
 
 }  // namespace
+
+// The derivative of the projection along the edge. A far end point would do as well, but may lie
+// behind the camera.
+Eigen::Vector2d image_direction(const Camera& camera, const Pose& cam_from_target,
+                                const Edge& edge) {
+  const Eigen::Vector3d x = cam_from_target * edge.begin_m;
+  const Eigen::Vector3d d = cam_from_target.rotation * (edge.end_m - edge.begin_m);
+  const Eigen::Vector2d direction(camera.fx_px * (d.x() * x.z() - x.x() * d.z()),
+                                  camera.fy_px * (d.y() * x.z() - x.y() * d.z()));
+  return direction.norm() > 0 ? Eigen::Vector2d(direction.normalized()) : Eigen::Vector2d::UnitX();
+}
 
 PosePrior prior_of(const Pose& cam_from_target, const Camera& camera, const PriorError& error) {
   constexpr double kDegree = std::numbers::pi / 180;

@@ -54,6 +54,10 @@ PosePrior prior_of(const Pose& cam_from_target, const Camera& camera, const Prio
 Eigen::Matrix2d predicted_covariance_px2(const Camera& camera, const PosePrior& prior,
                                          const Eigen::Vector3d& position_m);
 
+/// The direction, a unit vector, in which an edge leaves its beginning in the image.
+Eigen::Vector2d image_direction(const Camera& camera, const Pose& cam_from_target,
+                                const Edge& edge);
+
 /// The view of those features of a target.
 PredictedView predict_features(const Target& target, std::span<const int> features,
                                const Camera& camera, const PosePrior& prior);

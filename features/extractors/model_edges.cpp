@@ -1,17 +1,25 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The two edges of the feature as the prior pose shows them on the mesh: where they are to be seen,
-// every pixel along them, the peaks of the image's gradient along the normal, of the polarity that
-// target and background give. The peaks vote for an offset and a slope of the line; robust least
-// squares fits it; the feature is where the two lines meet. Offsets are against the outline of the
-// mesh itself, so that a rounded edge does no harm.
+// The feature's edges as the prior pose shows them on the mesh: where they are to be seen, every
+// pixel along them, the peaks of the image's gradient along the normal, of the polarity that target
+// and background give. The peaks vote for an offset and a slope of a line; robust least squares
+// fits it. Each edge may have several such lines: those are taken that agree on one point and have
+// the most support. Around that point each line of a sharp edge is fitted once more, to the grey
+// levels beside it (features/blurred_edge.h), over all of the edge that nothing else comes near.
+// The feature is where the lines meet. Offsets are against the outline of the mesh itself, so that
+// a rounded edge does no harm.
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "features/blurred_edge.h"
 #include "features/extractors/extractors.h"
 #include "features/image_line.h"
 #include "features/outline_search.h"
@@ -27,6 +35,13 @@ constexpr std::array kRoundsPx = {1.8, 1.3, 1.0, 0.8};  // of a peak from the li
 constexpr double kSamplesOfOne = 3;
 constexpr double kLeastScatterPx = 0.05;
 constexpr double kOtherPartPx = 0.8;  // more sigma for an edge against another part of the target
+
+constexpr int kMostLines = 3;          // that an edge may have
+constexpr double kMostSquares = 9;     // of lines that agree on a point
+constexpr double kLeastAngleDeg = 2;   // between two lines
+constexpr double kMaxSdPx = 0.8;       // in its worst direction of a feature at a small angle
+constexpr double kFarReachPx = 80;     // of what is fitted to the grey levels
+constexpr size_t kEnoughSamples = 15;  // with fewer, an edge is looked at farther away
 
 struct SamplePeaks {
   double along_px;
@@ -165,44 +180,216 @@ bool borders_other_part(const PredictedEdge& edge) {
   return !edge.is_crease && 2 * bordering > static_cast<std::ptrdiff_t>(edge.samples.size());
 }
 
-std::optional<ImageLine> find_line(const ExtractionInput& input, const GradientWindow& gradients,
-                                   const PredictedEdge& edge,
-                                   const std::vector<OutlineSample>& samples, int polarity) {
+// A line that may be the edge's, and the share of the edge's samples that have a peak on it.
+struct FoundLine {
+  int edge;  // index into the feature's
+  double support;
+  ImageLine line;
+};
+
+double floor_px(const ExtractionInput& input, const PredictedEdge& edge, double contrast_grey,
+                int polarity) {
+  return input.options.search.floor_scale * floor_px(edge.is_soft, contrast_grey, polarity) +
+         (borders_other_part(edge) ? kOtherPartPx : 0);
+}
+
+ImageLine image_line(const ExtractionInput& input, const PredictedEdge& edge, const FittedLine& fit,
+                     double pivot_px, int polarity) {
+  ImageLine line;
+  line.point = edge.begin + pivot_px * edge.direction + fit.line.offset_px * edge.normal;
+  line.direction = (edge.direction + fit.line.slope * edge.normal).normalized();
+  line.rms_px = fit.rms_px;
+  line.contrast_grey = fit.gradient / kGradientOfUnitEdge;
+  line.covariance = fit.covariance;
+  const double floor = floor_px(input, edge, line.contrast_grey, polarity);
+  line.covariance(0, 0) += floor * floor;
+  // ImageLine counts offsets along its direction turned by a right angle.
+  const bool is_turned =
+      edge.normal.dot(Eigen::Vector2d(-edge.direction.y(), edge.direction.x())) < 0;
+  if (is_turned) line.covariance(0, 1) = line.covariance(1, 0) = -line.covariance(0, 1);
+  for (const auto& [t, offset_px] : fit.points) {
+    line.edge_pixels.push_back(edge.begin + (pivot_px + t) * edge.direction +
+                               offset_px * edge.normal);
+  }
+  return line;
+}
+
+// Leaves the peaks that are not on a line.
+void take_away(const Line& line, double pivot_px, std::vector<SamplePeaks>& samples) {
+  constexpr double kOnLinePx = 1.5;
+  for (SamplePeaks& sample : samples) {
+    EdgePeaks left;
+    for (const EdgePeak& peak : sample.peaks) {
+      const double expected_px = line.offset_px + line.slope * (sample.along_px - pivot_px);
+      if (std::abs(peak.offset_px - expected_px) > kOnLinePx) left.add(peak);
+    }
+    sample.peaks = left;
+  }
+}
+
+// An edge as predicted, and where its samples are.
+struct SearchedEdge {
+  int index;
+  PredictedEdge edge;
+  std::vector<OutlineSample> samples;
+};
+
+// The feature's edges of which enough is to be seen.
+std::vector<SearchedEdge> searched_edges(const ExtractionInput& input) {
   const SearchOptions& options = input.options.search;
+  const double reach_px = is_prior_good(input) ? options.good_reach_px : options.reach_px;
+  std::vector<SearchedEdge> edges;
+  if (input.view.target == nullptr) return edges;
+  const auto& own = input.view.target->features[input.prediction.feature].edges;
+  for (int i = 0; i < static_cast<int>(own.size()); ++i) {
+    PredictedEdge edge = predict_edge(input.view, input.prediction, i, {kGapPx, reach_px});
+    if (!edge.is_soft && edge.samples.size() < kEnoughSamples) {
+      // Edges that part at a small angle blur into one as far as that.
+      edge = predict_edge(input.view, input.prediction, i, {kGapPx, kFarReachPx});
+    }
+    if (edge.samples.size() < kFewestSamples) continue;
+    std::vector<OutlineSample> samples = samples_of(edge);
+    edges.push_back({i, std::move(edge), std::move(samples)});
+  }
+  return edges;
+}
+
+// The lines along a predicted edge, best first.
+std::vector<FoundLine> find_lines(const ExtractionInput& input, const GradientWindow& gradients,
+                                  const SearchedEdge& searched, int polarity) {
+  const SearchOptions& options = input.options.search;
+  const PredictedEdge& edge = searched.edge;
   const double half_px = search_half_px(input, edge.normal);
   const double threshold = gradient_threshold(options);
   std::vector<SamplePeaks> peaks;
-  peaks.reserve(samples.size());
-  for (size_t i = 0; i < samples.size(); ++i) {
-    const OutlineSample& sample = samples[i];
+  peaks.reserve(searched.samples.size());
+  for (size_t i = 0; i < searched.samples.size(); ++i) {
+    const OutlineSample& sample = searched.samples[i];
     peaks.push_back(
         {edge.samples[i].along_px, find_peaks(gradients, sample.pixel, edge.normal, half_px,
                                               sample.borders_target ? 0 : polarity, threshold)});
   }
   const double pivot_px = (edge.samples.front().along_px + edge.samples.back().along_px) / 2;
   const double max_slope = is_prior_good(input) ? options.good_max_slope : options.max_slope;
-  const Line start = voted(peaks, pivot_px, half_px, max_slope);
-  const auto fit = fitted(peaks, pivot_px, start, max_slope);
-  if (!fit) return std::nullopt;
-  const double contrast_grey = fit->gradient / kGradientOfUnitEdge;
-  ImageLine line;
-  line.point = edge.begin + pivot_px * edge.direction + fit->line.offset_px * edge.normal;
-  line.direction = (edge.direction + fit->line.slope * edge.normal).normalized();
-  line.rms_px = fit->rms_px;
-  line.contrast_grey = contrast_grey;
-  line.covariance = fit->covariance;
-  const double floor = options.floor_scale * floor_px(edge.is_soft, contrast_grey, polarity) +
-                       (borders_other_part(edge) ? kOtherPartPx : 0);
-  line.covariance(0, 0) += floor * floor;
-  // ImageLine counts offsets along its direction turned by a right angle.
-  const bool is_turned =
-      edge.normal.dot(Eigen::Vector2d(-edge.direction.y(), edge.direction.x())) < 0;
-  if (is_turned) line.covariance(0, 1) = line.covariance(1, 0) = -line.covariance(0, 1);
-  for (const auto& [t, offset_px] : fit->points) {
-    line.edge_pixels.push_back(edge.begin + (pivot_px + t) * edge.direction +
-                               offset_px * edge.normal);
+  std::vector<FoundLine> lines;
+  for (int i = 0; i < kMostLines; ++i) {
+    const Line start = voted(peaks, pivot_px, half_px, max_slope);
+    const auto fit = fitted(peaks, pivot_px, start, max_slope);
+    if (!fit) break;
+    const double support =
+        static_cast<double>(fit->points.size()) / static_cast<double>(peaks.size());
+    lines.push_back({searched.index, support, image_line(input, edge, *fit, pivot_px, polarity)});
+    take_away(fit->line, pivot_px, peaks);
   }
+  return lines;
+}
+
+// Of every edge one line or none, such that two or more agree on one point in the window: those
+// with the most support, less what the prior holds against the point. Where none agree, the best
+// of each, to say why they do not.
+std::vector<FoundLine> agreeing(const ExtractionInput& input,
+                                const std::vector<std::vector<FoundLine>>& lines_of,
+                                const cv::Rect& window) {
+  constexpr double kSlackPx2 = 0.25;  // of the peaks' lines near a corner that is not yet known
+  constexpr double kPriorWeight = 0.03;
+  const Eigen::Matrix2d prior_information =
+      (input.prediction.covariance_px2 + kSlackPx2 * Eigen::Matrix2d::Identity()).inverse();
+  std::vector<std::vector<ImageLine>> slack_lines;  // without the evidence
+  size_t combinations = 1;
+  for (const auto& candidates : lines_of) {
+    combinations *= candidates.size() + 1;
+    slack_lines.emplace_back();
+    for (const FoundLine& found : candidates) {
+      ImageLine line;
+      line.point = found.line.point;
+      line.direction = found.line.direction;
+      line.covariance = found.line.covariance;
+      line.covariance(0, 0) += kSlackPx2;
+      slack_lines.back().push_back(std::move(line));
+    }
+  }
+  double most = -std::numeric_limits<double>::infinity();
+  std::vector<const FoundLine*> chosen, best;
+  std::vector<ImageLine> lines;
+  for (size_t combination = 1; combination < combinations; ++combination) {
+    chosen.clear();
+    lines.clear();
+    double value = 0;
+    size_t rest = combination;
+    for (size_t edge = 0; edge < lines_of.size(); ++edge) {
+      const size_t choice = rest % (lines_of[edge].size() + 1);
+      rest /= lines_of[edge].size() + 1;
+      if (choice == 0) continue;
+      chosen.push_back(&lines_of[edge][choice - 1]);
+      lines.push_back(slack_lines[edge][choice - 1]);
+      value += chosen.back()->support;
+    }
+    if (chosen.size() < 2 || value <= most) continue;
+    const auto meeting = meeting_of(lines, kLeastAngleDeg);
+    if (!meeting || meeting->squares > kMostSquares || !contains(window, meeting->pixel)) continue;
+    const Eigen::Vector2d off = meeting->pixel - input.prediction.pixel;
+    value -= kPriorWeight * off.dot(prior_information * off);
+    if (value <= most) continue;
+    most = value;
+    best = chosen;
+  }
+  std::vector<FoundLine> agreed;
+  for (const FoundLine* found : best) agreed.push_back(*found);
+  if (!agreed.empty()) return agreed;
+  for (const auto& candidates : lines_of) {
+    if (!candidates.empty()) agreed.push_back(candidates.front());
+  }
+  return agreed;
+}
+
+// The longest run of samples without a gap.
+Stretch longest_run(const std::vector<PredictedEdge::Sample>& samples) {
+  Stretch longest{0, 0};
+  size_t first = 0;
+  for (size_t i = 1; i <= samples.size(); ++i) {
+    if (i < samples.size() && samples[i].along_px - samples[i - 1].along_px < 1.5) continue;
+    if (samples[i - 1].along_px - samples[first].along_px > longest.to_px - longest.from_px) {
+      longest = {samples[first].along_px, samples[i - 1].along_px};
+    }
+    first = i;
+  }
+  return longest;
+}
+
+// The line fitted to the grey levels along all of its edge that nothing else comes near.
+std::optional<ImageLine> refitted(const ExtractionInput& input, const FoundLine& found,
+                                  const Eigen::Vector2d& vertex, int polarity) {
+  constexpr double kOffCornerPx = 4;
+  constexpr double kApartPx = 6;
+  constexpr double kLeastStretchPx = 5;
+  constexpr double kFirstStretchPx = 30;
+  const PredictedEdge edge =
+      predict_edge(input.view, input.prediction, found.edge,
+                   {kOffCornerPx, kFarReachPx, kApartPx, /*is_apart_from_creases=*/true});
+  if (edge.is_soft || edge.samples.empty()) return std::nullopt;
+  const Stretch run = longest_run(edge.samples);
+  std::optional<ImageLine> line = found.line;
+  if (!(run.to_px - run.from_px >= kLeastStretchPx)) return std::nullopt;
+  // The far end only once the near one has told where it is.
+  for (const double to_px : {std::min(run.from_px + kFirstStretchPx, run.to_px), run.to_px}) {
+    const double sense = line->direction.dot(edge.direction) >= 0 ? 1 : -1;
+    const double vertex_px = line->direction.dot(vertex - line->point);
+    const double a = vertex_px + sense * run.from_px;
+    const double b = vertex_px + sense * to_px;
+    line = fit_blurred_edge(input.image, *line, {std::min(a, b), std::max(a, b)},
+                            input.options.search.noise_sd_grey);
+    if (!line) return std::nullopt;
+  }
+  const double floor = floor_px(input, edge, line->contrast_grey, polarity);
+  line->covariance(0, 0) += floor * floor;
   return line;
+}
+
+// True where lines meet at a small angle that are not known well enough for it.
+bool is_loose(const ExtractionInput& input, const Observation& observation) {
+  if (meeting_of(observation.lines, input.options.line.min_angle_deg)) return false;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(observation.covariance_px2);
+  return !(eigen.eigenvalues()[1] <= kMaxSdPx * kMaxSdPx);
 }
 
 }  // namespace
@@ -214,31 +401,40 @@ void extract_model_edges(const ExtractionInput& input, Observation& observation)
     observation.status = ObservationStatus::kOutsideImage;
     return;
   }
-  const SearchOptions& options = input.options.search;
-  const double reach_px = is_prior_good(input) ? options.good_reach_px : options.reach_px;
-  std::array<PredictedEdge, 2> edges;
-  std::array<std::vector<OutlineSample>, 2> samples;
+  const std::vector<SearchedEdge> edges = searched_edges(input);
+  if (edges.size() < 2) {
+    observation.status = ObservationStatus::kNoOutline;
+    return;
+  }
   std::vector<OutlineSample> all;
-  for (int i = 0; i < 2; ++i) {
-    edges[i] = predict_edge(input.view, input.prediction, i, kGapPx, reach_px);
-    samples[i] = samples_of(edges[i]);
-    if (samples[i].size() < kFewestSamples) {
-      observation.status = ObservationStatus::kNoOutline;
-      return;
-    }
-    all.insert(all.end(), samples[i].begin(), samples[i].end());
+  for (const SearchedEdge& edge : edges) {
+    all.insert(all.end(), edge.samples.begin(), edge.samples.end());
   }
   const GradientWindow gradients = gradients_around(input, all);
   const int polarity = outline_polarity(input, all);
-  for (int i = 0; i < 2; ++i) {
-    auto line = find_line(input, gradients, edges[i], samples[i], polarity);
-    if (!line) continue;
-    observation.contrast_grey = observation.lines.empty()
-                                    ? line->contrast_grey
-                                    : std::min(observation.contrast_grey, line->contrast_grey);
-    observation.lines.push_back(std::move(*line));
+  std::vector<std::vector<FoundLine>> lines_of;
+  for (const SearchedEdge& edge : edges) {
+    lines_of.push_back(find_lines(input, gradients, edge, polarity));
   }
-  meet(input.options.line.min_angle_deg, observation);
+  const std::vector<FoundLine> found = agreeing(input, lines_of, observation.window);
+  for (const FoundLine& line : found) observation.lines.push_back(line.line);
+  meet(kLeastAngleDeg, observation);
+  if (observation.status != ObservationStatus::kFound) return;
+
+  for (size_t i = 0; i < found.size(); ++i) {
+    auto line = refitted(input, found[i], observation.pixel, polarity);
+    if (!line) continue;
+    line->edge_pixels = observation.lines[i].edge_pixels;
+    observation.lines[i] = std::move(*line);
+  }
+  meet(kLeastAngleDeg, observation);
+  observation.contrast_grey = std::numeric_limits<double>::infinity();
+  for (const ImageLine& line : observation.lines) {
+    observation.contrast_grey = std::min(observation.contrast_grey, line.contrast_grey);
+  }
+  if (observation.status == ObservationStatus::kFound && is_loose(input, observation)) {
+    observation.status = ObservationStatus::kParallelLines;
+  }
 }
 
 }  // namespace sightline

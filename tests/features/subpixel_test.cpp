@@ -220,7 +220,8 @@ TEST(Outline, OfAPlateIsItsFourEdges) {
     EXPECT_FALSE(sample.borders_target);
   }
   for (int i = 0; i < 2; ++i) {
-    const PredictedEdge edge = predict_edge(view, view.features[0], i, 2.5, 36);
+    const PredictedEdge edge =
+        predict_edge(view, view.features[0], i, {.gap_px = 2.5, .reach_px = 36});
     EXPECT_EQ(edge.samples.size(), 34u);
     EXPECT_GT(edge.normal.dot(edge.begin - centre), 0);
     EXPECT_FALSE(edge.is_soft);
