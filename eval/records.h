@@ -19,8 +19,8 @@ namespace sightline {
 /// What became of one feature in one trial.
 struct ObservationRecord {
   std::string feature;
-  std::string status;       ///< "found", or why it is missing
-  bool is_visible = false;  ///< truly: see LabelledObservation
+  std::string status;                               ///< "found", or why it is missing
+  bool is_visible = false;                          ///< truly: see LabelledObservation
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< with status "found"
   Eigen::Vector2d true_pixel = Eigen::Vector2d::Zero();
   double error_px = 0;  ///< with status "found"

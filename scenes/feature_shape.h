@@ -36,8 +36,8 @@ struct TargetFeature {
   std::string name;
   FeatureKind kind = FeatureKind::kCorner;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
-  /// Mesh closer than this to the feature does not hide it: its own surface, and where that is
-  /// rounded, the bulge between the feature and the outline that is seen in its place.
+  /// Mesh closer than this does not hide the feature: its own surface and, where that is rounded,
+  /// its bulge. Mesh edges closer than this to a straight edge of the feature belong to it.
   double clearance_m = 0.01;
   /// For kLineIntersection: two edges or more, each beginning at the feature.
   std::vector<Edge> edges;
