@@ -168,8 +168,8 @@ double contrast_grey(int feature, const Scene& scene, const Frame& frame) {
   if (!prediction.is_in_front) return 0;
   double contrast = std::numeric_limits<double>::infinity();
   if (prediction.kind == FeatureKind::kLineIntersection) {
-    for (const int edge : {0, 1}) {
-      const auto outline = outline_of(predict_edge(view, prediction, edge, kGapPx, kReachPx));
+    for (const int edge : prediction.edge) {
+      const auto outline = outline_of(predict_edge(view, prediction, edge, {kGapPx, kReachPx}));
       contrast = std::min(contrast, median_contrast(outline, frame.image));
     }
   } else {

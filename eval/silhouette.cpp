@@ -46,8 +46,10 @@ std::optional<OutlineLine> outline_line(const PredictedEdge& edge) {
 
 std::optional<double> offset_of_intersection(const PredictedView& view,
                                              const FeaturePrediction& prediction) {
-  const auto a = outline_line(predict_edge(view, prediction, 0, kGapPx, kReachPx));
-  const auto b = outline_line(predict_edge(view, prediction, 1, kGapPx, kReachPx));
+  const auto a =
+      outline_line(predict_edge(view, prediction, prediction.edge[0], {kGapPx, kReachPx}));
+  const auto b =
+      outline_line(predict_edge(view, prediction, prediction.edge[1], {kGapPx, kReachPx}));
   if (!a || !b) return std::nullopt;
   Eigen::Matrix2d normals;
   normals << a->normal.transpose(), b->normal.transpose();
