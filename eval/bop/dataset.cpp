@@ -244,6 +244,12 @@ fs::path bop_picture(const fs::path& folder, const std::string& name) {
   return {};
 }
 
+fs::path bop_picture(const BopImage& image) {
+  const std::string name = six_digits(image.im_id);
+  const fs::path colour = bop_picture(image.folder / "rgb", name);
+  return colour.empty() ? bop_picture(image.folder / "gray", name) : colour;
+}
+
 std::vector<Pose> bop_symmetries(const std::string& info) {
   return symmetries_of(Json::parse(info));
 }

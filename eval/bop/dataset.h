@@ -66,6 +66,9 @@ std::vector<BopImage> read_bop_images(const std::filesystem::path& folder,
 /// The picture of that name in a folder, whatever its format; empty where there is none.
 std::filesystem::path bop_picture(const std::filesystem::path& folder, const std::string& name);
 
+/// The image's picture, of rgb/ or else of gray/; empty where there is none.
+std::filesystem::path bop_picture(const BopImage& image);
+
 /// The box that an object fills in its own frame, and which file says so.
 struct BopBox {
   Eigen::AlignedBox3d box_mm;

@@ -40,14 +40,6 @@ estimated outline">
 </div>
 )html";
 
-cv::Mat read_grey_of(const BopImage& image) {
-  for (const char* kind : {"rgb", "gray"}) {
-    const auto file = bop_picture(image.folder / kind, six_digits(image.im_id));
-    if (!file.empty()) return read_grey_picture(file);
-  }
-  return {};
-}
-
 Camera camera_of(const BopImage& image, const cv::Size& size) {
   return {.width_px = size.width,
           .height_px = size.height,
@@ -103,7 +95,8 @@ std::string score_pictures(const BopDataset& dataset, std::span<const BopTarget*
                            std::span<const BopEstimate> estimates) {
   mustache::data pictures(mustache::data::type::list);
   for (const BopTarget* target : targets) {
-    const cv::Mat grey = read_grey_of(dataset.images[target->image]);
+    const auto file = bop_picture(dataset.images[target->image]);
+    const cv::Mat grey = file.empty() ? cv::Mat() : read_grey_picture(file);
     if (grey.empty() || !target->chosen) continue;
     const size_t estimate = target->pairs[*target->chosen].estimate;
     mustache::data picture = picture_data(dataset, *target, estimates[estimate], grey);

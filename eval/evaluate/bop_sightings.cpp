@@ -52,10 +52,8 @@ std::vector<int> asked_instances(const BopImage& image, int obj_id) {
 }
 
 fs::path picture_of(const BopImage& image) {
-  for (const char* kind : {"rgb", "gray"}) {
-    fs::path file = bop_picture(image.folder / kind, six_digits(image.im_id));
-    if (!file.empty()) return file;
-  }
+  fs::path file = bop_picture(image);
+  if (!file.empty()) return file;
   throw InputError(fmt::format("{}: has no picture {} in rgb/ or gray/", image.folder.string(),
                                six_digits(image.im_id)));
 }
