@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMaxTrials = 10'000'000;
 // Of the mesh's triangles: a model of the target that somebody made for another purpose.
-constexpr double kBiasMeshPercent = 25;
+constexpr double kBiasMeshPercent = 50;
 
 // What a file is read for.
 enum class Use { kTrials, kRendering };

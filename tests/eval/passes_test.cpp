@@ -94,8 +94,8 @@ TEST(Passes, TheBiasIsThatOfACoarserMeshUnlessAskedOtherwise) {
   const double all =
       triangles({"extraction.bias_removal=wrong_light", "extraction.bias_mesh_percent=100"});
   EXPECT_EQ(all, static_cast<double>(study_with(1, {}).target->mesh.triangles.size()));
-  EXPECT_NEAR(triangles({"extraction.bias_removal=wrong_light"}) / all, 0.25, 0.02);
-  EXPECT_NEAR(triangles({"extraction.bias_removal=known_light"}) / all, 0.25, 0.02);
+  EXPECT_NEAR(triangles({"extraction.bias_removal=wrong_light"}) / all, 0.5, 0.02);
+  EXPECT_NEAR(triangles({"extraction.bias_removal=known_light"}) / all, 0.5, 0.02);
   EXPECT_EQ(triangles({"extraction.bias_removal=off"}), 0);
   EXPECT_THROW(study_with(1, {"extraction.bias_mesh_percent=0"}), InputError);
   EXPECT_THROW(study_with(1, {"extraction.bias_mesh_percent=101"}), InputError);
