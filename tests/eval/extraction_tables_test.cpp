@@ -191,9 +191,10 @@ TEST(BoeingLocalisation, KeepsToTheGoalsOfTwoPasses) {
 
 TEST(FeatureLocalisation, HoldsEveryExtractorAgainstEveryNuisance) {
   const Study study = read_study("feature-localisation");
-  EXPECT_EQ(study.conditions.size(), 7u + 5 * (3 + 3 + 2 + 2 + 3 + 3));
+  const size_t extractors = feature_extractors().size();
+  EXPECT_EQ(study.conditions.size(), extractors + 5 * (3 + 3 + 2 + 2 + 3 + 3));
   EXPECT_EQ(study.conditions[0].label, "hough_intersection");
-  EXPECT_EQ(study.conditions[7].label, "hough_intersection, read_noise_grey 0.0");
+  EXPECT_EQ(study.conditions[extractors].label, "hough_intersection, read_noise_grey 0.0");
   for (const Condition& condition : study.conditions) EXPECT_LE(condition.label.size(), 42u);
 }
 
