@@ -36,6 +36,7 @@ constexpr double kSamplesOfOne = 3;
 constexpr double kLeastScatterPx = 0.05;
 constexpr double kOtherPartPx = 0.8;  // more sigma for an edge against another part of the target
 
+constexpr size_t kMostEdges = 5;       // of a feature: all combinations of their lines are tried
 constexpr int kMostLines = 3;          // that an edge may have
 constexpr double kMostSquares = 9;     // of lines that agree on a point
 constexpr double kLeastAngleDeg = 2;   // between two lines
@@ -234,7 +235,7 @@ struct SearchedEdge {
   std::vector<OutlineSample> samples;
 };
 
-// The feature's edges of which enough is to be seen.
+// The feature's edges of which enough is to be seen; of many the longest seen.
 std::vector<SearchedEdge> searched_edges(const ExtractionInput& input) {
   const SearchOptions& options = input.options.search;
   const double reach_px = is_prior_good(input) ? options.good_reach_px : options.reach_px;
@@ -251,6 +252,11 @@ std::vector<SearchedEdge> searched_edges(const ExtractionInput& input) {
     std::vector<OutlineSample> samples = samples_of(edge);
     edges.push_back({i, std::move(edge), std::move(samples)});
   }
+  if (edges.size() <= kMostEdges) return edges;
+  std::stable_sort(edges.begin(), edges.end(), [](const SearchedEdge& a, const SearchedEdge& b) {
+    return a.samples.size() > b.samples.size();
+  });
+  edges.erase(edges.begin() + kMostEdges, edges.end());
   return edges;
 }
 

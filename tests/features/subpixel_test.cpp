@@ -193,6 +193,28 @@ TEST(ModelEdges, AStrongerEdgeOfTheWrongPolarityIsPassedOver) {
   EXPECT_LT((seen[0].pixel - corner).norm(), 0.5);
 }
 
+// All combinations of their lines would never end.
+TEST(ModelEdges, OfManyEdgesTheLongestServe) {
+  Target target = plate_target();
+  for (TargetFeature& feature : target.features) {
+    const std::vector<Edge> two = feature.edges;
+    for (int i = 0; i < 11; ++i) {
+      feature.edges.insert(feature.edges.end(), two.begin(), two.end());
+    }
+  }
+  target.shapes = feature_shapes(target.mesh, target.features);
+  const Pose truth = plate_pose(20);
+  const cv::Mat image = exposed(plate_coverage(truth), {});
+  const PosePrior prior = prior_of(truth, plate_camera(), {});
+  for (const Observation& seen : extract_plate("model_edges", image, target, prior)) {
+    ASSERT_EQ(seen.status, ObservationStatus::kFound);
+    EXPECT_LE(seen.lines.size(), 5u);
+    const Eigen::Vector2d corner =
+        *project(plate_camera(), truth * target.features[seen.feature].position_m);
+    EXPECT_LT((seen.pixel - corner).norm(), 0.3);
+  }
+}
+
 TEST(ModelEdges, WithoutAMeshThereIsNoOutline) {
   const cv::Mat image = exposed(plate_coverage(plate_pose(20)), {});
   const Target target = plate_target();
