@@ -408,6 +408,24 @@ TEST_F(ForeignSet, ObeysTheListOfTargetsInTestSplitsAlone) {
   EXPECT_EQ(read_sightings(training, cube_).size(), 2u);
 }
 
+TEST_F(ForeignSet, TakesTheMostVisibleOfMoreInstancesThanAreAskedFor) {
+  folder_.write("set/test_targets_bop19.json",
+                R"([{"scene_id": 5, "im_id": 17, "obj_id": 4, "inst_count": 1}])");
+  Pose other;
+  other.translation = {0, 0, 0.5};
+  write("scene_gt.json", {{"17", {entry_of(poses_[0], 4), entry_of(poses_[1], 4)}},
+                          {"3", {entry_of(other, 9), entry_of(poses_[0], 4)}}});
+  const auto seen_with = [&](double first, double second) {
+    write("scene_gt_info.json", {{"17", {{{"visib_fract", first}}, {{"visib_fract", second}}}},
+                                 {"3", {{{"visib_fract", 1}}, {{"visib_fract", 1}}}}});
+    const std::vector<Sighting> sightings = read_sightings(source(), cube_);
+    EXPECT_EQ(sightings.size(), 1u);
+    return sightings.front().gt_id;
+  };
+  EXPECT_EQ(seen_with(0.3, 0.9), 1);
+  EXPECT_EQ(seen_with(0.9, 0.3), 0);
+}
+
 // The left half of the image is all that the mask has of the cube.
 TEST_F(ForeignSet, HidesWhatTheMaskLeavesOut) {
   const std::string toml = "target = 'cube'\nsolvers = ['lspe']\n[dataset]\npath = '" +
