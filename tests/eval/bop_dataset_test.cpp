@@ -13,6 +13,7 @@
 #include "eval/bop/results_csv.h"
 #include "eval/image_set/models.h"
 #include "scenes/input_error.h"
+#include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -23,16 +24,6 @@ using testing::HasSubstr;
 
 const std::string kHeader = "scene_id,im_id,obj_id,score,R,t,time\n";
 const std::string kQuarterTurn = "0 -1 0 1 0 0 0 0 1";
-
-template <typename Call>
-std::string error_of(const Call& call) {
-  try {
-    call();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(BopResults, AreReadAsTheyStand) {
   const TemporaryFolder folder;
