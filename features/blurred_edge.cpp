@@ -6,12 +6,12 @@
 #include "features/blurred_edge.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+
+#include "features/normal_law.h"
 
 namespace sightline {
 namespace {
@@ -57,38 +57,6 @@ Band band_of(const cv::Mat& image, const ImageLine& line, const Stretch& stretch
   return band;
 }
 
-// The normal law's cumulative and density, by linear interpolation to 1e-5.
-class NormalLaw {
- public:
-  struct Value {
-    double cumulative, density;
-  };
-
-  NormalLaw() {
-    for (int i = 0; i < kSize; ++i) {
-      const double z = i / kPerUnit - kReach;
-      values_[i] = {0.5 * std::erfc(-z / std::numbers::sqrt2),
-                    std::exp(-0.5 * z * z) * (std::numbers::inv_sqrtpi / std::numbers::sqrt2)};
-    }
-  }
-
-  Value at(double z) const {
-    const double x = std::clamp((z + kReach) * kPerUnit, 0.0, kSize - 1.001);
-    const int i = static_cast<int>(x);
-    const double part = x - i;
-    const Value& a = values_[i];
-    const Value& b = values_[i + 1];
-    return {a.cumulative + part * (b.cumulative - a.cumulative),
-            a.density + part * (b.density - a.density)};
-  }
-
- private:
-  static constexpr int kReach = 6;
-  static constexpr double kPerUnit = 64;
-  static constexpr int kSize = 2 * kReach * 64 + 1;
-  std::array<Value, kSize> values_;
-};
-
 struct Normal {
   Matrix5d information = Matrix5d::Zero();
   Vector5d gradient = Vector5d::Zero();
@@ -97,13 +65,13 @@ struct Normal {
 
 // J^T J, J^T r and r^T r of grey minus model.
 Normal normal_equations(const Band& band, const Vector5d& x) {
-  static const NormalLaw kNormalLaw;
+  const NormalLaw& law = normal_law();
   const double s = x[4];
   const double contrast = x[3] - x[2];
   Normal sums;
   for (const Band::Pixel& pixel : band.pixels) {
     const double z = (pixel.across_px - x[0] - x[1] * pixel.along_px) / s;
-    const auto [cumulative, density] = kNormalLaw.at(z);
+    const auto [cumulative, density] = law.at(z);
     const double residual = pixel.grey - x[2] - contrast * cumulative;
     const double by_offset = -contrast * density / s;
     Vector5d row;

@@ -7,7 +7,6 @@
 #include <limits>
 #include <numbers>
 #include <set>
-#include <tuple>
 
 #include <Eigen/Geometry>
 
@@ -22,28 +21,6 @@ struct SharedEdge {
   MeshEdge edge;
   std::array<int, 2> part;
 };
-
-struct HalfEdge {
-  int low, high;  // vertices
-  int triangle;
-  bool is_forward;  // the triangle goes from low to high
-};
-
-std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh) {
-  std::vector<HalfEdge> halves;
-  halves.reserve(3 * mesh.triangles.size());
-  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int i = 0; i < 3; ++i) {
-      const int from = mesh.triangles[t].vertex[i];
-      const int to = mesh.triangles[t].vertex[(i + 1) % 3];
-      halves.push_back({std::min(from, to), std::max(from, to), static_cast<int>(t), from < to});
-    }
-  }
-  std::sort(halves.begin(), halves.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-  });
-  return halves;
-}
 
 // Every edge of the mesh at which it turns or ends; where more than two faces meet, the first two.
 std::vector<SharedEdge> turning_edges(const Mesh& mesh) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include <Eigen/Geometry>
 
@@ -42,6 +43,22 @@ void compute_corner_normals(Mesh& mesh, double crease_angle_rad) {
       mesh.triangles[i].normal[corner] = sum.norm() > 0 ? sum.normalized() : own;
     }
   }
+}
+
+std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh) {
+  std::vector<HalfEdge> halves;
+  halves.reserve(3 * mesh.triangles.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      const int from = mesh.triangles[t].vertex[i];
+      const int to = mesh.triangles[t].vertex[(i + 1) % 3];
+      halves.push_back({std::min(from, to), std::max(from, to), static_cast<int>(t), from < to});
+    }
+  }
+  std::sort(halves.begin(), halves.end(), [](const HalfEdge& a, const HalfEdge& b) {
+    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
+  });
+  return halves;
 }
 
 Bounds bounds(const Mesh& mesh) {

@@ -36,6 +36,16 @@ struct Mesh {
 /// vertex which turn by less than `crease_angle_rad` against the corner's own face.
 void compute_corner_normals(Mesh& mesh, double crease_angle_rad);
 
+/// A side of a triangle.
+struct HalfEdge {
+  int low, high;  ///< its vertices
+  int triangle;
+  bool is_forward;  ///< the triangle goes from low to high
+};
+
+/// All sides of all triangles, those between the same two vertices beside each other.
+std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh);
+
 /// The unit normal of a triangle by its winding; zero for a degenerate one.
 Eigen::Vector3d face_normal(const Mesh& mesh, const Triangle& triangle);
 

@@ -122,9 +122,11 @@ std::shared_ptr<const Target> make_target(std::string name, std::string descript
                                           LoadedMesh loaded, std::vector<TargetFeature> features) {
   Occluder occluder(loaded.mesh);
   std::vector<FeatureShape> shapes = feature_shapes(loaded.mesh, features);
+  Facets facets = facets_of(loaded.mesh);
   return std::make_shared<const Target>(
       Target{std::move(name), std::move(description), std::move(loaded.mesh), loaded.cleaning,
-             std::move(features), std::move(occluder), std::move(shapes), loaded.target_from_file});
+             std::move(features), std::move(occluder), std::move(shapes), std::move(facets),
+             loaded.target_from_file});
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pose/pose.h"
+#include "scenes/facets.h"
 #include "scenes/feature_shape.h"
 #include "scenes/mesh_io.h"
 #include "scenes/occluder.h"
@@ -23,6 +24,7 @@ struct Target {
   std::vector<TargetFeature> features;
   Occluder occluder;
   std::vector<FeatureShape> shapes = {};  ///< of the mesh around each feature, in their order
+  Facets facets = {};                       ///< of the mesh, if it has few
   /// Turns the axes of the mesh's file into the target's; the unit is not in it.
   Eigen::Matrix3d target_from_file = Eigen::Matrix3d::Identity();
 };

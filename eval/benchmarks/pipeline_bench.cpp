@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// extract/<extractor>: all features of a 707 that the extractor can look for, in one frame; the
-// counter us_per_window is per feature looked for. pipeline/<target>: whole trials, from drawn
+// extract/<extractor>: all features of a 707 that the extractor can look for, in one frame;
+// extract/<extractor>/cube: the cube's vertices; the counter us_per_window is per feature looked
+// for. pipeline/<target>: whole trials, from drawn
 // scene to errors: render 512 x 512 at 16 samples a pixel, extract in two passes, solve.
 #include <cmath>
 #include <memory>
@@ -23,7 +24,7 @@
 namespace sightline {
 namespace {
 
-constexpr int kFrames = 8;
+constexpr int kFrames = 32;
 
 Study study_of(const std::string& target) {
   if (target == "cube") {
@@ -63,8 +64,9 @@ std::vector<ExtractionCase> cases_for(const Study& study, const FeatureExtractor
   return cases;
 }
 
-void run_extractor(benchmark::State& state, const FeatureExtractor& extractor) {
-  const Study study = study_of("boeing707");
+void run_extractor(benchmark::State& state, const FeatureExtractor& extractor,
+                   const std::string& target) {
+  const Study study = study_of(target);
   const std::vector<ExtractionCase> cases = cases_for(study, extractor);
   const ExtractorChoice choice{&extractor, &extractor, &extractor};
   int64_t windows = 0;
@@ -100,10 +102,13 @@ void run_pipeline(benchmark::State& state, const std::string& target) {
 
 void register_pipeline() {
   for (const FeatureExtractor& extractor : feature_extractors()) {
-    const std::string name = "extract/" + std::string(extractor.name);
-    benchmark::RegisterBenchmark(name.c_str(), [&extractor](benchmark::State& state) {
-      run_extractor(state, extractor);
-    })->Unit(benchmark::kMicrosecond);
+    for (const std::string target : {"boeing707", "cube"}) {
+      const std::string name =
+          "extract/" + std::string(extractor.name) + (target == "cube" ? "/cube" : "");
+      benchmark::RegisterBenchmark(name.c_str(), [&extractor, target](benchmark::State& state) {
+        run_extractor(state, extractor, target);
+      })->Unit(benchmark::kMicrosecond);
+    }
   }
   for (const std::string target : {"cube", "boeing707"}) {
     const std::string name = "pipeline/" + target;

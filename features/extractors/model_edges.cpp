@@ -1,439 +1,185 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The feature's edges as the prior pose shows them on the mesh: where they are to be seen, every
-// pixel along them, the peaks of the image's gradient along the normal, of the polarity that target
-// and background give. The peaks vote for an offset and a slope of a line; robust least squares
-// fits it. Each edge may have several such lines: those are taken that agree on one point and have
-// the most support. Around that point each line of a sharp edge is fitted once more, to the grey
-// levels beside it (features/blurred_edge.h), over all of the edge that nothing else comes near.
-// The feature is where the lines meet. Offsets are against the outline of the mesh itself, so that
-// a rounded edge does no harm.
+// The lines along the feature's edges as the mesh shows them (features/model_lines.h). Those are
+// taken that agree on one point and have the most support; around that point each line of a sharp
+// edge is fitted once more to the grey levels, and the feature is where they meet. Of a target made
+// of flat facets all that is seen around the feature is fitted as a whole, begun where lines agree
+// (features/facet_fit.h); where that explains the image down to the noise, the feature is where it
+// says.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/LU>
 
-#include "features/blurred_edge.h"
 #include "features/extractors/extractors.h"
+#include "features/facet_fit.h"
 #include "features/image_line.h"
+#include "features/model_lines.h"
 #include "features/outline_search.h"
 
 namespace sightline {
 namespace {
 
-constexpr double kGapPx = 2.5;  // kept off an edge's ends, where the next edge bends the gradient
-constexpr double kMinSupport = 0.4;  // of the samples must have a peak on the line
-constexpr size_t kFewestSamples = 4;
-constexpr std::array kRoundsPx = {1.8, 1.3, 1.0, 0.8};  // of a peak from the line, round by round
-// Neighbouring samples share what smoothing and blur spread: so many are worth one.
-constexpr double kSamplesOfOne = 3;
-constexpr double kLeastScatterPx = 0.05;
-constexpr double kOtherPartPx = 0.8;  // more sigma for an edge against another part of the target
+constexpr double kMaxSdPx = 0.8;    // in its worst direction of a feature at a small angle
+constexpr double kReachPx = 30;     // of what is fitted to the facets' grey levels
+constexpr double kFarReachPx = 80;  // of features that are not known well by that
+constexpr double kFacetFloorPx = 0.012;
+constexpr size_t kFewestSamples = 4;  // of a line that is shown
 
-constexpr size_t kMostEdges = 5;       // of a feature: all combinations of their lines are tried
-constexpr int kMostLines = 3;          // that an edge may have
-constexpr double kMostSquares = 9;     // of lines that agree on a point
-constexpr double kLeastAngleDeg = 2;   // between two lines
-constexpr double kMaxSdPx = 0.8;       // in its worst direction of a feature at a small angle
-constexpr double kFarReachPx = 80;     // of what is fitted to the grey levels
-constexpr size_t kEnoughSamples = 15;  // with fewer, an edge is looked at farther away
-
-struct SamplePeaks {
-  double along_px;
-  EdgePeaks peaks;
-};
-
-// offset + slope (along - pivot), against the prediction.
-struct Line {
-  double offset_px = 0;
-  double slope = 0;
-};
-
-std::vector<OutlineSample> samples_of(const PredictedEdge& edge) {
-  std::vector<OutlineSample> samples;
-  samples.reserve(edge.samples.size());
-  for (const PredictedEdge::Sample& sample : edge.samples) {
-    samples.push_back(
-        {edge.begin + sample.along_px * edge.direction + sample.offset_px * edge.normal,
-         edge.normal, sample.borders_target});
-  }
-  return samples;
-}
-
-// The line with the most votes, counted in cells of half a pixel and their neighbours.
-Line voted(const std::vector<SamplePeaks>& samples, double pivot_px, double half_px,
-           double max_slope) {
-  constexpr double kCellPx = 0.5;
-  constexpr int kSlopes = 6;  // to either side
-  const int half_cells = static_cast<int>(std::ceil(half_px / kCellPx)) + 1;
-  const int cells = 2 * half_cells + 1;
-  std::vector<float> votes(cells);
-  Line best;
-  float most = 0;
-  for (int i = -kSlopes; i <= kSlopes; ++i) {
-    const double slope = max_slope * i / kSlopes;
-    std::fill(votes.begin(), votes.end(), 0.F);
-    for (const SamplePeaks& sample : samples) {
-      for (const EdgePeak& peak : sample.peaks) {
-        const double offset_px = peak.offset_px - slope * (sample.along_px - pivot_px);
-        const int cell = half_cells + static_cast<int>(std::lround(offset_px / kCellPx));
-        if (cell >= 0 && cell < cells) votes[cell] += 1;
-      }
-    }
-    for (int cell = 1; cell + 1 < cells; ++cell) {
-      // Of equal counts the better centred, then the lesser slope.
-      const float count = votes[cell - 1] + 1.01F * votes[cell] + votes[cell + 1] -
-                          1e-3F * static_cast<float>(std::abs(i));
-      if (count <= most) continue;
-      most = count;
-      best = {(cell - half_cells) * kCellPx, slope};
-    }
-  }
-  return best;
-}
-
-struct FittedLine {
-  Line line;
-  double rms_px = 0;
-  Eigen::Matrix2d covariance;
-  std::vector<std::pair<double, double>> points;  // along, offset
-  double gradient = 0;                            // mean height of the peaks
-};
-
-std::optional<FittedLine> fitted(const std::vector<SamplePeaks>& samples, double pivot_px,
-                                 Line line, double max_slope) {
-  FittedLine fit;
-  const double slope_sd = max_slope / 2;
-  for (const double round_px : kRoundsPx) {
-    fit.points.clear();
-    fit.gradient = 0;
-    double n = 0, st = 0, stt = 0, so = 0, sto = 0;
-    for (const SamplePeaks& sample : samples) {
-      const double t = sample.along_px - pivot_px;
-      const double expected_px = line.offset_px + line.slope * t;
-      const EdgePeak* nearest = nullptr;
-      double nearest_px = round_px;
-      for (const EdgePeak& peak : sample.peaks) {
-        const double distance_px = std::abs(peak.offset_px - expected_px);
-        if (distance_px > nearest_px) continue;
-        nearest_px = distance_px;
-        nearest = &peak;
-      }
-      if (nearest == nullptr) continue;
-      fit.points.emplace_back(t, nearest->offset_px);
-      fit.gradient += std::abs(nearest->gradient);
-      n += 1;
-      st += t;
-      stt += t * t;
-      so += nearest->offset_px;
-      sto += t * nearest->offset_px;
-    }
-    if (n < kFewestSamples || n < kMinSupport * static_cast<double>(samples.size())) {
-      return std::nullopt;
-    }
-    // The slope is known beforehand to slope_sd; a point to about a fifth of a pixel, three of them
-    // worth one.
-    constexpr double kPointPx = 0.2;
-    const double known = kSamplesOfOne * kPointPx * kPointPx / (slope_sd * slope_sd);
-    const double determinant = n * (stt + known) - st * st;
-    line.slope = (n * sto - st * so) / determinant;
-    line.offset_px = (so - line.slope * st) / n;
-    fit.line = line;
-    fit.covariance << (stt + known) / determinant, -st / determinant, -st / determinant,
-        n / determinant;
-  }
-  double squares = 0;
-  for (const auto& [t, offset_px] : fit.points) {
-    const double residual = offset_px - line.offset_px - line.slope * t;
-    squares += residual * residual;
-  }
-  const double n = static_cast<double>(fit.points.size());
-  fit.gradient /= n;
-  fit.rms_px = std::sqrt(squares / n);
-  const double sd = std::max(fit.rms_px, kLeastScatterPx);
-  fit.covariance *= kSamplesOfOne * sd * sd;
-  if (std::abs(line.slope) > 1.5 * max_slope) return std::nullopt;
-  return fit;
-}
-
-// What the fit does not know of, measured on airliners under many lights. Shading across a rounded
-// edge moves its image: inwards and by more the darker its limb, against a darker background; less
-// against a brighter one.
-double floor_px(bool is_soft, double contrast_grey, int polarity) {
-  constexpr double kMostPx = 1.5;
-  if (!is_soft) return std::min(kMostPx, std::hypot(0.012, 1.7 / contrast_grey));
-  const double against_bright = 2.4 / std::sqrt(contrast_grey);
-  const double against_dark = 170 / std::pow(contrast_grey, 1.5);
-  if (polarity > 0) return std::min(kMostPx, against_bright);
-  return std::min(kMostPx, against_dark);
-}
-
-// True where mostly another part of the target is behind the outline, whose own edges are near.
-bool borders_other_part(const PredictedEdge& edge) {
-  const auto bordering = std::count_if(edge.samples.begin(), edge.samples.end(),
-                                       [](const auto& sample) { return sample.borders_target; });
-  return !edge.is_crease && 2 * bordering > static_cast<std::ptrdiff_t>(edge.samples.size());
-}
-
-// A line that may be the edge's, and the share of the edge's samples that have a peak on it.
-struct FoundLine {
-  int edge;  // index into the feature's
-  double support;
-  ImageLine line;
-};
-
-double floor_px(const ExtractionInput& input, const PredictedEdge& edge, double contrast_grey,
-                int polarity) {
-  return input.options.search.floor_scale * floor_px(edge.is_soft, contrast_grey, polarity) +
-         (borders_other_part(edge) ? kOtherPartPx : 0);
-}
-
-ImageLine image_line(const ExtractionInput& input, const PredictedEdge& edge, const FittedLine& fit,
-                     double pivot_px, int polarity) {
-  ImageLine line;
-  line.point = edge.begin + pivot_px * edge.direction + fit.line.offset_px * edge.normal;
-  line.direction = (edge.direction + fit.line.slope * edge.normal).normalized();
-  line.rms_px = fit.rms_px;
-  line.contrast_grey = fit.gradient / kGradientOfUnitEdge;
-  line.covariance = fit.covariance;
-  const double floor = floor_px(input, edge, line.contrast_grey, polarity);
-  line.covariance(0, 0) += floor * floor;
-  // ImageLine counts offsets along its direction turned by a right angle.
-  const bool is_turned =
-      edge.normal.dot(Eigen::Vector2d(-edge.direction.y(), edge.direction.x())) < 0;
-  if (is_turned) line.covariance(0, 1) = line.covariance(1, 0) = -line.covariance(0, 1);
-  for (const auto& [t, offset_px] : fit.points) {
-    line.edge_pixels.push_back(edge.begin + (pivot_px + t) * edge.direction +
-                               offset_px * edge.normal);
-  }
-  return line;
-}
-
-// Leaves the peaks that are not on a line.
-void take_away(const Line& line, double pivot_px, std::vector<SamplePeaks>& samples) {
-  constexpr double kOnLinePx = 1.5;
-  for (SamplePeaks& sample : samples) {
-    EdgePeaks left;
-    for (const EdgePeak& peak : sample.peaks) {
-      const double expected_px = line.offset_px + line.slope * (sample.along_px - pivot_px);
-      if (std::abs(peak.offset_px - expected_px) > kOnLinePx) left.add(peak);
-    }
-    sample.peaks = left;
-  }
-}
-
-// An edge as predicted, and where its samples are.
-struct SearchedEdge {
-  int index;
-  PredictedEdge edge;
-  std::vector<OutlineSample> samples;
-};
-
-// The feature's edges of which enough is to be seen; of many the longest seen.
-std::vector<SearchedEdge> searched_edges(const ExtractionInput& input) {
-  const SearchOptions& options = input.options.search;
-  const double reach_px = is_prior_good(input) ? options.good_reach_px : options.reach_px;
-  std::vector<SearchedEdge> edges;
-  if (input.view.target == nullptr) return edges;
-  const auto& own = input.view.target->features[input.prediction.feature].edges;
-  for (int i = 0; i < static_cast<int>(own.size()); ++i) {
-    PredictedEdge edge = predict_edge(input.view, input.prediction, i, {kGapPx, reach_px});
-    if (!edge.is_soft && edge.samples.size() < kEnoughSamples) {
-      // Edges that part at a small angle blur into one as far as that.
-      edge = predict_edge(input.view, input.prediction, i, {kGapPx, kFarReachPx});
-    }
-    if (edge.samples.size() < kFewestSamples) continue;
-    std::vector<OutlineSample> samples = samples_of(edge);
-    edges.push_back({i, std::move(edge), std::move(samples)});
-  }
-  if (edges.size() <= kMostEdges) return edges;
-  std::stable_sort(edges.begin(), edges.end(), [](const SearchedEdge& a, const SearchedEdge& b) {
-    return a.samples.size() > b.samples.size();
-  });
-  edges.erase(edges.begin() + kMostEdges, edges.end());
-  return edges;
-}
-
-// The lines along a predicted edge, best first.
-std::vector<FoundLine> find_lines(const ExtractionInput& input, const GradientWindow& gradients,
-                                  const SearchedEdge& searched, int polarity) {
-  const SearchOptions& options = input.options.search;
-  const PredictedEdge& edge = searched.edge;
-  const double half_px = search_half_px(input, edge.normal);
-  const double threshold = gradient_threshold(options);
-  std::vector<SamplePeaks> peaks;
-  peaks.reserve(searched.samples.size());
-  for (size_t i = 0; i < searched.samples.size(); ++i) {
-    const OutlineSample& sample = searched.samples[i];
-    peaks.push_back(
-        {edge.samples[i].along_px, find_peaks(gradients, sample.pixel, edge.normal, half_px,
-                                              sample.borders_target ? 0 : polarity, threshold)});
-  }
-  const double pivot_px = (edge.samples.front().along_px + edge.samples.back().along_px) / 2;
-  const double max_slope = is_prior_good(input) ? options.good_max_slope : options.max_slope;
-  std::vector<FoundLine> lines;
-  for (int i = 0; i < kMostLines; ++i) {
-    const Line start = voted(peaks, pivot_px, half_px, max_slope);
-    const auto fit = fitted(peaks, pivot_px, start, max_slope);
-    if (!fit) break;
-    const double support =
-        static_cast<double>(fit->points.size()) / static_cast<double>(peaks.size());
-    lines.push_back({searched.index, support, image_line(input, edge, *fit, pivot_px, polarity)});
-    take_away(fit->line, pivot_px, peaks);
-  }
-  return lines;
-}
-
-// Of every edge one line or none, such that two or more agree on one point in the window: those
-// with the most support, less what the prior holds against the point. Where none agree, the best
-// of each, to say why they do not.
-std::vector<FoundLine> agreeing(const ExtractionInput& input,
-                                const std::vector<std::vector<FoundLine>>& lines_of,
-                                const cv::Rect& window) {
-  constexpr double kSlackPx2 = 0.25;  // of the peaks' lines near a corner that is not yet known
-  constexpr double kPriorWeight = 0.03;
-  const Eigen::Matrix2d prior_information =
-      (input.prediction.covariance_px2 + kSlackPx2 * Eigen::Matrix2d::Identity()).inverse();
-  std::vector<std::vector<ImageLine>> slack_lines;  // without the evidence
-  size_t combinations = 1;
-  for (const auto& candidates : lines_of) {
-    combinations *= candidates.size() + 1;
-    slack_lines.emplace_back();
-    for (const FoundLine& found : candidates) {
-      ImageLine line;
-      line.point = found.line.point;
-      line.direction = found.line.direction;
-      line.covariance = found.line.covariance;
-      line.covariance(0, 0) += kSlackPx2;
-      slack_lines.back().push_back(std::move(line));
-    }
-  }
-  double most = -std::numeric_limits<double>::infinity();
-  std::vector<const FoundLine*> chosen, best;
-  std::vector<ImageLine> lines;
-  for (size_t combination = 1; combination < combinations; ++combination) {
-    chosen.clear();
-    lines.clear();
-    double value = 0;
-    size_t rest = combination;
-    for (size_t edge = 0; edge < lines_of.size(); ++edge) {
-      const size_t choice = rest % (lines_of[edge].size() + 1);
-      rest /= lines_of[edge].size() + 1;
-      if (choice == 0) continue;
-      chosen.push_back(&lines_of[edge][choice - 1]);
-      lines.push_back(slack_lines[edge][choice - 1]);
-      value += chosen.back()->support;
-    }
-    if (chosen.size() < 2 || value <= most) continue;
-    const auto meeting = meeting_of(lines, kLeastAngleDeg);
-    if (!meeting || meeting->squares > kMostSquares || !contains(window, meeting->pixel)) continue;
-    const Eigen::Vector2d off = meeting->pixel - input.prediction.pixel;
-    value -= kPriorWeight * off.dot(prior_information * off);
-    if (value <= most) continue;
-    most = value;
-    best = chosen;
-  }
-  std::vector<FoundLine> agreed;
-  for (const FoundLine* found : best) agreed.push_back(*found);
-  if (!agreed.empty()) return agreed;
-  for (const auto& candidates : lines_of) {
-    if (!candidates.empty()) agreed.push_back(candidates.front());
-  }
-  return agreed;
-}
-
-// The longest run of samples without a gap.
-Stretch longest_run(const std::vector<PredictedEdge::Sample>& samples) {
-  Stretch longest{0, 0};
-  size_t first = 0;
-  for (size_t i = 1; i <= samples.size(); ++i) {
-    if (i < samples.size() && samples[i].along_px - samples[i - 1].along_px < 1.5) continue;
-    if (samples[i - 1].along_px - samples[first].along_px > longest.to_px - longest.from_px) {
-      longest = {samples[first].along_px, samples[i - 1].along_px};
-    }
-    first = i;
-  }
-  return longest;
-}
-
-// The line fitted to the grey levels along all of its edge that nothing else comes near.
-std::optional<ImageLine> refitted(const ExtractionInput& input, const FoundLine& found,
-                                  const Eigen::Vector2d& vertex, int polarity) {
-  constexpr double kOffCornerPx = 4;
-  constexpr double kApartPx = 6;
-  constexpr double kLeastStretchPx = 5;
-  constexpr double kFirstStretchPx = 30;
-  const PredictedEdge edge =
-      predict_edge(input.view, input.prediction, found.edge,
-                   {kOffCornerPx, kFarReachPx, kApartPx, /*is_apart_from_creases=*/true});
-  if (edge.is_soft || edge.samples.empty()) return std::nullopt;
-  const Stretch run = longest_run(edge.samples);
-  std::optional<ImageLine> line = found.line;
-  if (!(run.to_px - run.from_px >= kLeastStretchPx)) return std::nullopt;
-  // The far end only once the near one has told where it is.
-  for (const double to_px : {std::min(run.from_px + kFirstStretchPx, run.to_px), run.to_px}) {
-    const double sense = line->direction.dot(edge.direction) >= 0 ? 1 : -1;
-    const double vertex_px = line->direction.dot(vertex - line->point);
-    const double a = vertex_px + sense * run.from_px;
-    const double b = vertex_px + sense * to_px;
-    line = fit_blurred_edge(input.image, *line, {std::min(a, b), std::max(a, b)},
-                            input.options.search.noise_sd_grey);
-    if (!line) return std::nullopt;
-  }
-  const double floor = floor_px(input, edge, line->contrast_grey, polarity);
-  line->covariance(0, 0) += floor * floor;
-  return line;
+double worst_sd_px(const Eigen::Matrix2d& covariance_px2) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance_px2);
+  return std::sqrt(eigen.eigenvalues()[1]);
 }
 
 // True where lines meet at a small angle that are not known well enough for it.
 bool is_loose(const ExtractionInput& input, const Observation& observation) {
   if (meeting_of(observation.lines, input.options.line.min_angle_deg)) return false;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(observation.covariance_px2);
-  return !(eigen.eigenvalues()[1] <= kMaxSdPx * kMaxSdPx);
+  return !(worst_sd_px(observation.covariance_px2) <= kMaxSdPx);
 }
 
-}  // namespace
+bool is_known(const FacetFit& fit) {
+  return worst_sd_px(fit.covariance_px2) <= kMaxSdPx;
+}
 
-void extract_model_edges(const ExtractionInput& input, Observation& observation) {
-  observation.window =
-      window_around(input.prediction.pixel, search_window_half_px(input), input.image.size());
-  if (observation.window.empty()) {
-    observation.status = ObservationStatus::kOutsideImage;
-    return;
+// The prior's pose with the feature moved to that pixel, at its depth.
+Pose moved_to(const ExtractionInput& input, const Eigen::Vector2d& pixel) {
+  Pose pose = input.view.cam_from_target;
+  const Eigen::Vector3d point =
+      pose * input.view.target->features[input.prediction.feature].position_m;
+  const auto there = normalised_from_pixel(input.view.camera, pixel);
+  if (there) pose.translation.head<2>() += point.z() * *there - point.head<2>();
+  return pose;
+}
+
+// Turned about the feature.
+Pose turned(const ExtractionInput& input, const Pose& pose, const Eigen::Vector3d& turn_rad) {
+  const Eigen::Vector3d& position_m =
+      input.view.target->features[input.prediction.feature].position_m;
+  Pose out;
+  out.rotation = rotation_from_vector(turn_rad) * pose.rotation;
+  out.translation = pose * position_m - out.rotation * position_m;
+  return out;
+}
+
+// The feature's edges as they are to be seen at a pose.
+std::vector<ImageLine> lines_at(const ExtractionInput& input, const Eigen::Vector2d& pixel,
+                                const Pose& cam_from_target) {
+  constexpr double kOffCornerPx = 1;
+  PredictedView view = input.view;
+  view.cam_from_target = cam_from_target;
+  FeaturePrediction prediction = input.prediction;
+  prediction.pixel = pixel;
+  std::vector<ImageLine> lines;
+  const size_t count = view.target->features[prediction.feature].edges.size();
+  for (size_t i = 0; i < count; ++i) {
+    const PredictedEdge edge =
+        predict_edge(view, prediction, static_cast<int>(i), {kOffCornerPx, kReachPx});
+    if (edge.samples.size() < kFewestSamples) continue;
+    ImageLine line;
+    line.direction = edge.direction;
+    for (const PredictedEdge::Sample& sample : edge.samples) {
+      line.edge_pixels.push_back(edge.begin + sample.along_px * edge.direction);
+      line.point += line.edge_pixels.back() / static_cast<double>(edge.samples.size());
+    }
+    lines.push_back(std::move(line));
   }
-  const std::vector<SearchedEdge> edges = searched_edges(input);
-  if (edges.size() < 2) {
-    observation.status = ObservationStatus::kNoOutline;
-    return;
+  return lines;
+}
+
+// Poses from which a fit may find the feature: the prior's with the feature at each of the pixels;
+// where the prior is not good, turned as well, since edges seen nearly along one another look
+// otherwise then.
+std::vector<Pose> starts_at(const ExtractionInput& input,
+                            const std::vector<Eigen::Vector2d>& pixels) {
+  constexpr double kTurnRad = 0.04;
+  std::vector<Eigen::Vector3d> turns{Eigen::Vector3d::Zero()};
+  if (!input.options.is_gated) {
+    for (const double side : {1.0, -1.0}) {
+      for (const int axis : {0, 1}) turns.push_back(side * kTurnRad * Eigen::Vector3d::Unit(axis));
+    }
   }
-  std::vector<OutlineSample> all;
-  for (const SearchedEdge& edge : edges) {
-    all.insert(all.end(), edge.samples.begin(), edge.samples.end());
+  std::vector<Pose> starts;
+  for (const Eigen::Vector3d& turn : turns) {
+    for (const Eigen::Vector2d& pixel : pixels) {
+      starts.push_back(turned(input, moved_to(input, pixel), turn));
+    }
   }
-  const GradientWindow gradients = gradients_around(input, all);
-  const int polarity = outline_polarity(input, all);
-  std::vector<std::vector<FoundLine>> lines_of;
-  for (const SearchedEdge& edge : edges) {
-    lines_of.push_back(find_lines(input, gradients, edge, polarity));
+  return starts;
+}
+
+// Where the target is made of flat facets, these explain the grey levels around the feature, with
+// edges too near to each other for a line of their own. Begun at the first start, then at the most
+// promising others, until one does so down to the noise and knows where the feature is; failing
+// that one that does not know. None where no start explains it.
+std::optional<FacetFit> explained(const ExtractionInput& input, const cv::Rect& window,
+                                  std::span<const Pose> starts) {
+  constexpr double kMostOverNoise = 1.15;
+  constexpr double kMostOverGrey = 0.7;
+  constexpr size_t kMostFits = 2;
+  const double noise_sd = input.options.search.noise_sd_grey;
+  FacetPatch patch{
+      input.image,       input.view.target->facets,
+      input.view.camera, input.view.target->features[input.prediction.feature].position_m,
+      kReachPx,          noise_sd};
+  const auto fit_at = [&](const Pose& start, double reach_px) -> std::optional<FacetFit> {
+    patch.reach_px = reach_px;
+    const auto fit = fit_facets(patch, start);
+    if (!fit || fit->rms_grey > kMostOverNoise * noise_sd + kMostOverGrey) return std::nullopt;
+    return contains(window, fit->pixel) ? fit : std::nullopt;
+  };
+  std::optional<FacetFit> loose;
+  const auto known_at = [&](const Pose& start) -> std::optional<FacetFit> {
+    const auto fit = fit_at(start, kReachPx);
+    if (!fit || is_known(*fit)) return fit;
+    const auto farther = fit_at(fit->cam_from_target, kFarReachPx);
+    if (farther && is_known(*farther)) return farther;
+    if (!loose) loose = fit;
+    return std::nullopt;
+  };
+  if (const auto fit = known_at(starts.front())) return fit;
+  if (starts.size() > 1) {
+    patch.reach_px = kReachPx;
+    for (const Pose& start : most_alike(patch, starts.subspan(1), kMostFits)) {
+      if (const auto fit = known_at(start)) return fit;
+    }
   }
-  const std::vector<FoundLine> found = agreeing(input, lines_of, observation.window);
+  return loose;
+}
+
+void set_explained(const ExtractionInput& input, const FacetFit& fit, Observation& observation) {
+  observation.lines = lines_at(input, fit.pixel, fit.cam_from_target);
+  observation.pixel = fit.pixel;
+  observation.covariance_px2 =
+      fit.covariance_px2 + kFacetFloorPx * kFacetFloorPx * Eigen::Matrix2d::Identity();
+  observation.status =
+      is_known(fit) ? ObservationStatus::kFound : ObservationStatus::kParallelLines;
+}
+
+// The place where the lines meet that agree best, each refitted; or why they do not.
+void intersect(const ExtractionInput& input, const ModelLines& model, Observation& observation) {
+  std::vector<FoundLine> found;
+  if (!model.agreements.empty()) {
+    found = model.agreements.front().lines;
+  } else {
+    for (const std::vector<FoundLine>& lines : model.of_edge) {
+      if (!lines.empty()) found.push_back(lines.front());
+    }
+  }
   for (const FoundLine& line : found) observation.lines.push_back(line.line);
-  meet(kLeastAngleDeg, observation);
+  meet(kLeastMeetingDeg, observation);
   if (observation.status != ObservationStatus::kFound) return;
-
   for (size_t i = 0; i < found.size(); ++i) {
-    auto line = refitted(input, found[i], observation.pixel, polarity);
+    auto line = refitted(input, found[i], observation.pixel, model.polarity);
     if (!line) continue;
     line->edge_pixels = observation.lines[i].edge_pixels;
     observation.lines[i] = std::move(*line);
   }
-  meet(kLeastAngleDeg, observation);
+  meet(kLeastMeetingDeg, observation);
   observation.contrast_grey = std::numeric_limits<double>::infinity();
   for (const ImageLine& line : observation.lines) {
     observation.contrast_grey = std::min(observation.contrast_grey, line.contrast_grey);
@@ -441,6 +187,65 @@ void extract_model_edges(const ExtractionInput& input, Observation& observation)
   if (observation.status == ObservationStatus::kFound && is_loose(input, observation)) {
     observation.status = ObservationStatus::kParallelLines;
   }
+}
+
+bool has_facets(const ExtractionInput& input) {
+  return input.view.target != nullptr && !input.view.target->facets.empty();
+}
+
+// The facets' fit, begun where lines agree; before a line is looked for, because the prior has
+// already been improved, or where none agree, where the feature is predicted.
+std::optional<FacetFit> facets_fit(const ExtractionInput& input, const cv::Rect& window,
+                                   const std::vector<Agreement>& agreements) {
+  if (!has_facets(input)) return std::nullopt;
+  std::vector<Eigen::Vector2d> pixels;
+  for (const Agreement& agreement : agreements) pixels.push_back(agreement.pixel);
+  if (pixels.empty()) pixels.push_back(input.prediction.pixel);
+  return explained(input, window, starts_at(input, pixels));
+}
+
+// True where the facets explain what is found.
+bool extract_once(const ExtractionInput& input, Observation& observation) {
+  observation.window =
+      window_around(input.prediction.pixel, search_window_half_px(input), input.image.size());
+  if (observation.window.empty()) {
+    observation.status = ObservationStatus::kOutsideImage;
+    return false;
+  }
+  std::optional<FacetFit> fit;
+  if (input.options.is_gated) fit = facets_fit(input, observation.window, {});
+  std::optional<ModelLines> model;
+  if (!fit) {
+    model = find_model_lines(input, observation.window);
+    fit =
+        facets_fit(input, observation.window, model ? model->agreements : std::vector<Agreement>());
+  }
+  if (fit) {
+    set_explained(input, *fit, observation);
+  } else if (model) {
+    intersect(input, *model, observation);
+  } else {
+    observation.status = ObservationStatus::kNoOutline;
+  }
+  return fit.has_value();
+}
+
+}  // namespace
+
+void extract_model_edges(const ExtractionInput& input, Observation& observation) {
+  constexpr double kWiderSigmas = 4;
+  if (extract_once(input, observation) || observation.status == ObservationStatus::kFound ||
+      input.options.is_gated || !has_facets(input)) {
+    return;
+  }
+  // Farther from the prior more is met that looks alike, so that only what is explained counts.
+  ExtractorOptions options = input.options;
+  options.search.sigmas = kWiderSigmas;
+  Observation wider = observation;
+  wider.lines.clear();
+  const ExtractionInput wider_input{input.image, input.view, input.prediction, options,
+                                    input.background_grey};
+  if (extract_once(wider_input, wider)) observation = std::move(wider);
 }
 
 }  // namespace sightline
