@@ -14,6 +14,7 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 std::string error_of(const std::vector<std::string>& settings) {
   try {
@@ -81,6 +82,38 @@ TEST(Study, MistakesGetOneClearLine) {
   EXPECT_THAT(error_of({".noise=1"}), HasSubstr("must read key=value"));
   EXPECT_THAT(error_of({"extraction.lines.canny_high=20"}), HasSubstr("canny_high"));
   EXPECT_THAT(error_of({"poses.range_m=[1, 2]"}), HasSubstr("beside"));
+}
+
+TEST(Study, AllFeaturesAreWrittenOutByName) {
+  const Study five = read_study("boeing-random");
+  const Study all =
+      read_study("boeing-random", {.trials = {}, .seed = {}, .set = {"features=all"}});
+  ASSERT_EQ(five.features.size(), 5u);
+  ASSERT_EQ(all.features.size(), all.target->features.size());
+  ASSERT_GT(all.features.size(), five.features.size());
+  for (size_t i = 0; i < all.features.size(); ++i) {
+    EXPECT_EQ(all.features[i], static_cast<int>(i));
+    EXPECT_THAT(all.toml, HasSubstr(all.target->features[i].name));
+  }
+  const Study again = read_study_text(all.toml, "study.toml");
+  EXPECT_EQ(again.features, all.features);
+  EXPECT_EQ(again.toml, all.toml);
+  EXPECT_EQ(
+      read_study("boeing-random", {.trials = {}, .seed = {}, .set = {"features=\"all\""}}).toml,
+      all.toml);
+  const Study numeric =
+      read_study("cube-noise", {.trials = {}, .seed = {}, .set = {"features=all"}});
+  EXPECT_EQ(numeric.features.size(), 8u);
+}
+
+TEST(Study, NoOtherWordStandsForFeatures) {
+  EXPECT_THAT(error_of({"features=al"}),
+              AllOf(HasSubstr("--set features=al: features is \"al\", must be \"all\" or an array "
+                              "of names"),
+                    HasSubstr("wing_tip_le_port"), Not(HasSubstr("\n"))));
+  EXPECT_THAT(error_of({"features=nose"}), HasSubstr("must be \"all\" or an array of names"));
+  EXPECT_THAT(error_of({"features=5"}), HasSubstr("must be an array of texts"));
+  EXPECT_THAT(error_of({"features=['all']"}), HasSubstr("features holds \"all\""));
 }
 
 TEST(Study, AnyKeyOfASceneCanBeSwept) {
