@@ -569,6 +569,19 @@ TEST(FrameSvg, DrawsTheEdgePixelsThatAnOutlineWasLaidOn) {
               HasSubstr("<path class=\"layer-edges edges\" d=\"M12.25 22h0M13 22.5h0\"/>"));
 }
 
+TEST(FrameSvg, DrawsALaidOutlineFromNeighbourToNeighbour) {
+  Observation observation;
+  observation.window = {10, 20, 11, 11};
+  const ObservationRecord record = missing("a", ObservationStatus::kParallelLines);
+  EXPECT_THAT(feature_marks(observation, record, {}), Not(HasSubstr("layer-lines")));
+  observation.laid_outline = {{12, 22}, {10, 22}, {13, 23}, {11, 22}, {13, 24}};
+  EXPECT_THAT(feature_marks(observation, record, {}),
+              HasSubstr("<path class=\"layer-lines lines\" d=\"M10 22L12 22L13 23L13 24\"/>"));
+  observation.laid_outline = {{12, 22}, {11, 22}, {20, 22}, {21, 22}, {30, 40}};  // one alone
+  EXPECT_THAT(feature_marks(observation, record, {}),
+              HasSubstr("d=\"M20 22L21 22M12 22L11 22\"/>"));
+}
+
 TEST(FrameSvg, DrawsOutlinesAsClosedPaths) {
   EXPECT_EQ(outline_path({{{0, 0.25}, {1.5, 0}, {1, 2}}}), "M0 0.25L1.5 0L1 2Z");
   EXPECT_EQ(outline_path({}), "");
