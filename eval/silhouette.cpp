@@ -3,7 +3,7 @@
 #include "eval/silhouette.h"
 
 #include <algorithm>
-#include <numeric>
+#include <cmath>
 #include <optional>
 
 #include <Eigen/LU>
@@ -58,6 +58,15 @@ std::optional<double> offset_of_intersection(const PredictedView& view,
   return (meeting - prediction.pixel).norm();
 }
 
+// Of a pixel from the outline at a sample: it is straight up to the next one on either side.
+double distance_from(const OutlineSample& sample, const Eigen::Vector2d& pixel) {
+  constexpr double kApartPx = 1;
+  const Eigen::Vector2d away = pixel - sample.pixel;
+  const double across_px = away.dot(sample.normal);
+  const double along_px = away.x() * sample.normal.y() - away.y() * sample.normal.x();
+  return std::hypot(across_px, std::max(0.0, std::abs(along_px) - kApartPx));
+}
+
 std::optional<double> offset_px(const PredictedView& view, const FeaturePrediction& prediction) {
   if (!prediction.is_in_front || prediction.is_hidden) return std::nullopt;
   switch (prediction.kind) {
@@ -66,7 +75,7 @@ std::optional<double> offset_px(const PredictedView& view, const FeaturePredicti
     case FeatureKind::kCorner: {
       std::optional<double> nearest;
       for (const OutlineSample& sample : predict_outline(view, prediction, kReachPx)) {
-        const double distance_px = (sample.pixel - prediction.pixel).norm();
+        const double distance_px = distance_from(sample, prediction.pixel);
         if (!nearest || distance_px < *nearest) nearest = distance_px;
       }
       return nearest;
@@ -77,45 +86,58 @@ std::optional<double> offset_px(const PredictedView& view, const FeaturePredicti
   return std::nullopt;
 }
 
+// Of one feature, a number for each view that shows it.
+struct Offsets {
+  std::vector<double> px, m;
+};
+
+SilhouetteOffset summary_of(const Offsets& offsets) {
+  if (offsets.px.empty()) return {};
+  return {.views = static_cast<int>(offsets.px.size()),
+          .median_px = percentile(offsets.px, 0.5),
+          .greatest_px = *std::max_element(offsets.px.begin(), offsets.px.end()),
+          .median_m = percentile(offsets.m, 0.5),
+          .greatest_m = *std::max_element(offsets.m.begin(), offsets.m.end())};
+}
+
 }  // namespace
 
-std::vector<SilhouetteOffset> silhouette_offsets(const Target& target) {
+std::vector<TargetView> views_all_round(const Target& target) {
   constexpr double kRangeInSizes = 30;
   constexpr int kImagePx = 512;
   const Bounds box = bounds(target.mesh);
-  const double size_m = (box.max_m - box.min_m).norm();
   const Eigen::Vector3d centre_m = (box.min_m + box.max_m) / 2;
-  const double range_m = kRangeInSizes * size_m;
+  const double range_m = kRangeInSizes * (box.max_m - box.min_m).norm();
   const Camera camera = centred_camera(kImagePx, kImagePx, kRangeInSizes * kSilhouetteSizePx);
-  std::vector<int> features(target.features.size());
-  std::iota(features.begin(), features.end(), 0);
-
-  std::vector<std::vector<double>> offsets_px(features.size());
+  std::vector<TargetView> views;
   for (int i = 0; i < kSilhouetteViews; ++i) {
     RandomStream stream(1, "silhouette", static_cast<uint64_t>(i));
     Pose pose{stream.rotation(), Eigen::Vector3d::Zero()};
     pose.translation = Eigen::Vector3d(0, 0, range_m) - pose.rotation * centre_m;
-    const PredictedView view = predict_features(target, features, camera, PosePrior{pose});
-    for (size_t f = 0; f < features.size(); ++f) {
-      const auto offset = offset_px(view, view.features[f]);
-      if (offset) offsets_px[f].push_back(*offset);
-    }
+    views.push_back({camera, pose});
   }
+  return views;
+}
 
-  const double metres_per_px = size_m / kSilhouetteSizePx;
-  std::vector<SilhouetteOffset> out;
-  for (const std::vector<double>& of_feature : offsets_px) {
-    SilhouetteOffset offset;
-    offset.views = static_cast<int>(of_feature.size());
-    if (offset.views > 0) {
-      offset.median_px = percentile(of_feature, 0.5);
-      offset.greatest_px = *std::max_element(of_feature.begin(), of_feature.end());
-      offset.median_m = metres_per_px * offset.median_px;
-      offset.greatest_m = metres_per_px * offset.greatest_px;
+std::vector<SilhouetteOffset> silhouette_offsets(const Target& target,
+                                                 std::span<const int> features,
+                                                 std::span<const TargetView> views) {
+  std::vector<Offsets> offsets(features.size());
+  for (const TargetView& view : views) {
+    const PredictedView predicted =
+        predict_features(target, features, view.camera, PosePrior{view.cam_from_target});
+    for (size_t f = 0; f < features.size(); ++f) {
+      const auto offset = offset_px(predicted, predicted.features[f]);
+      if (!offset) continue;
+      const Eigen::Vector3d& position_m = target.features[features[f]].position_m;
+      const double depth_m = (view.cam_from_target * position_m).z();
+      offsets[f].px.push_back(*offset);
+      offsets[f].m.push_back(*offset * depth_m / view.camera.fx_px);
     }
-    out.push_back(offset);
   }
-  return out;
+  std::vector<SilhouetteOffset> summaries;
+  for (const Offsets& of_feature : offsets) summaries.push_back(summary_of(of_feature));
+  return summaries;
 }
 
 }  // namespace sightline

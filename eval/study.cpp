@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "eval/study_keys.h"
 #include "scenes/assets.h"
@@ -19,6 +20,7 @@ namespace {
 constexpr double kMaxTrials = 10'000'000;
 // Of the mesh's triangles: a model of the target that somebody made for another purpose.
 constexpr double kBiasMeshPercent = 50;
+constexpr const char* kAllFeatures = "all";
 
 // What a file is read for.
 enum class Use { kTrials, kRendering };
@@ -145,6 +147,16 @@ std::shared_ptr<const Target> read_target(const TomlTable& table) {
   }
 }
 
+// An array of names, or the word for all, which is meant without the key too.
+std::vector<std::string> read_feature_names(const TomlTable& table,
+                                            const std::vector<std::string>& known) {
+  if (!table.is_text("features")) return table.texts("features", known);
+  const std::string word = table.text("features");
+  if (word == kAllFeatures) return known;
+  table.fail("features", fmt::format("is \"{}\", must be \"{}\" or an array of names (known: {})",
+                                     word, kAllFeatures, fmt::join(known, ", ")));
+}
+
 void read_features(const TomlTable& table, Use use, Study& study) {
   const std::vector<std::string> known = names_of(study.target->features);
   if (known.empty() && use == Use::kRendering && !table.has("features")) return;
@@ -154,7 +166,7 @@ void read_features(const TomlTable& table, Use use, Study& study) {
                                      study.target->name));
   }
   std::set<size_t> seen;
-  for (const std::string& name : table.texts("features", known)) {
+  for (const std::string& name : read_feature_names(table, known)) {
     const size_t index = index_of(name, known, table, "features");
     if (!seen.insert(index).second) {
       table.fail("features", fmt::format("holds \"{}\" twice", name));
@@ -162,6 +174,15 @@ void read_features(const TomlTable& table, Use use, Study& study) {
     study.features.push_back(static_cast<int>(index));
   }
   if (study.features.empty()) table.fail("features", "is empty, must name at least one");
+}
+
+// The file as run. The word for all features is written out as their names: a run says what it
+// looked for, whatever its target is given later.
+std::string text_as_run(const TomlTable& table, const Study& study) {
+  if (study.target == nullptr || !table.is_text("features")) return table.to_toml();
+  const std::vector<std::string> names = names_of(study.target->features);
+  const std::vector<std::string> settings = {"features=" + nlohmann::json(names).dump()};
+  return TomlTable::read_text(table.to_toml(), table.file(), settings).to_toml();
 }
 
 std::vector<std::string> settings_of(const StudyOverrides& overrides) {
@@ -415,7 +436,7 @@ Study read_table(const TomlTable& table, const std::string& fallback_name, Use u
       break;
   }
   table.reject_unknown_keys();
-  study.toml = table.to_toml();
+  study.toml = text_as_run(table, study);
   return study;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -96,7 +97,10 @@ std::string silhouettes_text(const Target& target) {
       "\nto the diagonal of the target's box:\n\n"
       "feature                         views  median px  max px  median m   max m\n",
       kSilhouetteViews, kSilhouetteSizePx);
-  const std::vector<SilhouetteOffset> offsets = silhouette_offsets(target);
+  std::vector<int> features(target.features.size());
+  std::iota(features.begin(), features.end(), 0);
+  const std::vector<SilhouetteOffset> offsets =
+      silhouette_offsets(target, features, views_all_round(target));
   for (size_t i = 0; i < offsets.size(); ++i) {
     const SilhouetteOffset& offset = offsets[i];
     out += fmt::format("{:<30}  {:>5}", target.features[i].name, offset.views);

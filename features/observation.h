@@ -61,6 +61,8 @@ struct Observation {
   std::vector<ImageLine> lines;          ///< that a line intersection was found by: two or more
   std::vector<Eigen::Vector2d> corners;  ///< all the corners a corner extractor chose from
   std::vector<Eigen::Vector2d> contour;  ///< the edge pixels an outline was laid on
+  /// That outline where it came to lie: its samples, a pixel apart, in the order of the mesh.
+  std::vector<Eigen::Vector2d> laid_outline;
 };
 
 }  // namespace sightline

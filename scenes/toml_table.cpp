@@ -186,6 +186,10 @@ bool TomlTable::is_array(std::string_view key) const {
   return has(key) && node_->table->get(key)->is_array();
 }
 
+bool TomlTable::is_text(std::string_view key) const {
+  return has(key) && node_->table->get(key)->is_string();
+}
+
 std::vector<std::string> TomlTable::keys() const {
   std::vector<std::string> keys;
   for (const auto& [key, value] : *node_->table) keys.emplace_back(key.str());
@@ -339,11 +343,11 @@ std::vector<std::string> TomlTable::literals(std::string_view key) const {
   for (size_t i = 0; array != nullptr && i < array->size(); ++i) {
     const toml::node& value = *array->get(i);
     const toml::array* inner = value.as_array();
-    const bool is_good =
-        finite_number(&value) || value.is_string() || value.is_boolean() ||
-        (inner != nullptr && std::all_of(inner->begin(), inner->end(), [](const toml::node& number) {
-           return finite_number(&number).has_value();
-         }));
+    const bool is_good = finite_number(&value) || value.is_string() || value.is_boolean() ||
+                         (inner != nullptr &&
+                          std::all_of(inner->begin(), inner->end(), [](const toml::node& number) {
+                            return finite_number(&number).has_value();
+                          }));
     if (!is_good) fail(key, fmt::format("holds {}, must be {}", to_text(value), rule));
     literals.push_back(with_shortest_numbers(to_text(value)));
     if (std::count(literals.begin(), literals.end(), literals.back()) > 1) {

@@ -40,6 +40,8 @@ class TomlTable {
   bool has(std::string_view key) const;
   /// True where the key holds an array, be it of values or of tables.
   bool is_array(std::string_view key) const;
+  /// True where the key holds a text.
+  bool is_text(std::string_view key) const;
   /// All keys of this table, in alphabetical order. They count as known.
   std::vector<std::string> keys() const;
 

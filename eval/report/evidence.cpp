@@ -220,6 +220,7 @@ FrameEvidence evidence_of(const Study& study, const FrameChoice& choice, const T
 size_t bytes_of(const FrameEvidence& frame) {
   constexpr size_t kBytesAFrame = 8000;
   constexpr size_t kBytesAnEdgePixel = 2 * 17;
+  constexpr size_t kBytesAnOutlineSample = 2 * 3;  // most lie on straight lines
   constexpr size_t kBytesAVertex = 14;
   size_t bytes = frame.picture.png_url.size() + kBytesAFrame;
   for (const Observation& observation : frame.trial.observations) {
@@ -227,6 +228,7 @@ size_t bytes_of(const FrameEvidence& frame) {
       bytes += kBytesAnEdgePixel * line.edge_pixels.size();
     }
     bytes += kBytesAnEdgePixel * observation.contour.size();
+    bytes += kBytesAnOutlineSample * observation.laid_outline.size();
   }
   for (const auto& [solver, outline] : frame.outlines) {
     for (const auto& polygon : outline) bytes += kBytesAVertex * polygon.size();

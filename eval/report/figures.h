@@ -15,6 +15,7 @@ std::string answer_figure(const ReportInput& input);
 std::string sweep_figure(const ReportInput& input);
 std::string table_figure(const ReportInput& input);
 std::string extraction_figure(const ReportInput& input);
+std::string silhouette_figure(const ReportInput& input);
 std::string frames_figure(const ReportInput& input);
 std::string provenance_figure(const ReportInput& input);
 

@@ -22,7 +22,9 @@ constexpr double kFoundRadiusPx = 3;
 constexpr double kRemovedRadiusPx = 4.2;
 constexpr double kTruthArmPx = 2;
 constexpr double kCornerArmPx = 1.2;
-constexpr int kDecimals = 2;  // a hundredth of a pixel
+constexpr double kNeighbourPx = 2.1;  // a pixel apart along an edge, up to two from edge to edge
+constexpr double kStraightPx = 0.05;  // what a line through samples may pass them by
+constexpr int kDecimals = 2;          // a hundredth of a pixel
 
 // Hundredths without trailing zeros: most of a report's bytes are such numbers.
 std::string px(double value) {
@@ -162,10 +164,49 @@ std::string corner_marks(const std::vector<Eigen::Vector2d>& corners) {
   return fmt::format(R"svg(<path class="layer-edges corners" d="{}"/>)svg", path);
 }
 
-std::string line_marks(const std::vector<ImageLine>& lines, const cv::Rect& window) {
+// Takes the nearest to a point out of those that are left, unless it is no neighbour.
+std::optional<cv::Point2f> take_neighbour(const cv::Point2f& point,
+                                          std::vector<cv::Point2f>& left) {
+  const auto distance_px = [&point](const cv::Point2f& other) { return cv::norm(other - point); };
+  const auto nearest = std::min_element(
+      left.begin(), left.end(),
+      [&](const auto& a, const auto& b) { return distance_px(a) < distance_px(b); });
+  if (nearest == left.end() || distance_px(*nearest) > kNeighbourPx) return std::nullopt;
+  const cv::Point2f taken = *nearest;
+  *nearest = left.back();
+  left.pop_back();
+  return taken;
+}
+
+// Lines through the samples of an outline, whatever their order: from a sample each way, from
+// neighbour to neighbour.
+std::string outline_strokes(const std::vector<Eigen::Vector2d>& samples) {
+  std::vector<cv::Point2f> left;
+  for (const Eigen::Vector2d& sample : samples) {
+    left.emplace_back(static_cast<float>(sample.x()), static_cast<float>(sample.y()));
+  }
   std::string path;
-  for (const ImageLine& line : lines) {
-    const auto ends = clipped(line, window);
+  while (!left.empty()) {
+    std::vector<cv::Point2f> line = {left.back()};
+    left.pop_back();
+    for (int end = 0; end < 2; ++end) {
+      std::reverse(line.begin(), line.end());
+      while (const auto next = take_neighbour(line.back(), left)) line.push_back(*next);
+    }
+    std::vector<cv::Point2f> simple;
+    cv::approxPolyDP(line, simple, kStraightPx, /*closed=*/false);
+    if (simple.size() < 2) continue;
+    for (size_t i = 0; i < simple.size(); ++i) {
+      path += fmt::format("{}{} {}", i == 0 ? 'M' : 'L', px(simple[i].x), px(simple[i].y));
+    }
+  }
+  return path;
+}
+
+std::string line_marks(const Observation& observation) {
+  std::string path = outline_strokes(observation.laid_outline);
+  for (const ImageLine& line : observation.lines) {
+    const auto ends = clipped(line, observation.window);
     if (ends) path += stroke(ends->first, ends->second);
   }
   if (path.empty()) return "";
@@ -206,7 +247,7 @@ std::string feature_marks(const Observation& observation, const ObservationRecor
                           const std::vector<std::string>& removers) {
   std::string svg;
   if (!observation.window.empty()) svg += window_mark(observation.window);
-  svg += line_marks(observation.lines, observation.window);
+  svg += line_marks(observation);
   svg += edge_pixel_marks(observation);
   svg += corner_marks(observation.corners);
   if (record.is_visible) {

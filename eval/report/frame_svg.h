@@ -21,8 +21,8 @@ namespace sightline {
 /// bits are brought to 8 by `bits`.
 FramePicture picture_of(const cv::Mat& image, int bits, const cv::Rect& of_interest);
 
-/// All that is drawn for one feature: window, edge pixels of its lines or its outline, lines,
-/// corners, truth, what was found.
+/// All that is drawn for one feature: window, its lines or its outline as it was laid, the edge
+/// pixels of these, corners, truth, what was found.
 /// `removers` names the solvers that judged it an outlier (their labels).
 std::string feature_marks(const Observation& observation, const ObservationRecord& record,
                           const std::vector<std::string>& removers);

@@ -118,7 +118,7 @@ std::vector<Layer> layers_of(const Study& study) {
       {"windows", "windows", R"(<rect class="windows" x="-5" y="-5" width="10" height="10"/>)"},
       {"edges", "edge pixels of lines and outlines, corners",
        R"(<path class="edges" d="M-5 2h0M-2.5 1h0M0 0h0M2.5 -1h0M5 -2h0"/>)"},
-      {"lines", "fitted lines", R"(<path class="lines" d="M-6 4L6 -4"/>)"},
+      {"lines", "fitted lines and outlines", R"(<path class="lines" d="M-6 4L6 -4"/>)"},
       {"found", "found", R"(<g class="found"><path d="M-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0"/></g>)"},
       {"truth", "truth", R"(<g class="truth"><path d="M-4 -4L4 4M-4 4L4 -4"/></g>)"},
       {"removed", "removed as outlier",

@@ -96,6 +96,13 @@ Eigen::Vector3d row_of(const OutlineSample& sample, const Eigen::Vector2d& featu
           sample.normal.y() * arm.x() - sample.normal.x() * arm.y()};
 }
 
+// Where a sample of the outline comes to lie.
+Eigen::Vector2d moved(const OutlineSample& sample, const Eigen::Vector2d& feature,
+                      const Eigen::Vector3d& motion) {
+  const Eigen::Vector2d arm = sample.pixel - feature;
+  return sample.pixel + motion.head<2>() + motion[2] * Eigen::Vector2d(-arm.y(), arm.x());
+}
+
 // True where what was found holds the shift in every direction nearly as well as all samples would.
 bool is_held(const Eigen::Matrix2d& found, const std::vector<SamplePeaks>& samples) {
   Eigen::Matrix2d all = Eigen::Matrix2d::Zero();
@@ -212,6 +219,10 @@ void extract_contour(const ExtractionInput& input, Observation& observation) {
     return;
   }
   observation.contour = fit->edge_pixels;
+  observation.laid_outline.reserve(samples.size());
+  for (const OutlineSample& sample : samples) {
+    observation.laid_outline.push_back(moved(sample, feature, fit->motion));
+  }
   observation.contrast_grey = fit->gradient / kGradientOfUnitEdge;
   const double floor =
       options.floor_scale * floor_px(input.prediction.kind, observation.contrast_grey, polarity);

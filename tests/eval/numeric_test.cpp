@@ -17,7 +17,7 @@
 #include "eval/summary.h"
 #include "eval/sweep.h"
 #include "pose/attitude.h"
-#include "scenes/input_error.h"
+#include "tests/scenes/error_text.h"
 
 namespace sightline {
 namespace {
@@ -41,13 +41,8 @@ std::vector<TrialRecord> run_all(const Study& study) {
   return trials;
 }
 
-std::string error_of(const std::string& name, const Settings& settings) {
-  try {
-    study_with(name, 1, settings);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+std::string study_error(const std::string& name, const Settings& settings) {
+  return error_of([&] { study_with(name, 1, settings); });
 }
 
 std::vector<ObservationRecord> outliers_of(const TrialRecord& trial) {
@@ -124,11 +119,11 @@ TEST(NumericStudy, MistakesGetOneClearLine) {
            {"solver.max_removed=-1", "from 0"},
            {"image.bits=8", "image"},
            {"poses.range_m=[0, 1]", "[low, high]"}}) {
-    const std::string error = error_of("cube-noise", {setting});
+    const std::string error = study_error("cube-noise", {setting});
     EXPECT_THAT(error, HasSubstr(reason)) << setting;
     EXPECT_THAT(error, testing::Not(HasSubstr("\n"))) << setting;
   }
-  EXPECT_THAT(error_of("boeing-random", {"solver.sigma=known"}), HasSubstr("sigma"))
+  EXPECT_THAT(study_error("boeing-random", {"solver.sigma=known"}), HasSubstr("sigma"))
       << "images give covariances";
 }
 
@@ -143,7 +138,7 @@ TEST(OrientationStudy, MistakesGetOneClearLine) {
                                           {"solvers=['orpe']", "solvers"},
                                           {"target=cube", "target"},
                                           {"noise.sigma_m=-1", "noise.sigma_m"}}) {
-    const std::string error = error_of("orientation-points", {setting});
+    const std::string error = study_error("orientation-points", {setting});
     EXPECT_THAT(error, HasSubstr(reason)) << setting;
     EXPECT_THAT(error, testing::Not(HasSubstr("\n"))) << setting;
   }
@@ -264,11 +259,11 @@ TEST(NumericTrial, SwapsMirroredPairs) {
       EXPECT_EQ(other->pixel, o.true_pixel);
     }
   }
-  EXPECT_THAT(error_of("cube-outliers", {"outliers.law=swapped", "sweep.outliers=[0, 3]"}),
+  EXPECT_THAT(study_error("cube-outliers", {"outliers.law=swapped", "sweep.outliers=[0, 3]"}),
               AllOf(HasSubstr("outliers.law"), HasSubstr("even")));
   EXPECT_THAT(
-      error_of("cube-outliers", {"outliers.law=swapped", "sweep.outliers=[4]",
-                                 "features=['vertex_0', 'vertex_2', 'vertex_4', 'vertex_7']"}),
+      study_error("cube-outliers", {"outliers.law=swapped", "sweep.outliers=[4]",
+                                    "features=['vertex_0', 'vertex_2', 'vertex_4', 'vertex_7']"}),
       HasSubstr("only 2 of the features mirror"));
 }
 
@@ -371,8 +366,8 @@ TEST(ClaimVerdicts, NameTheConditionsBeyondTheLimits) {
   EXPECT_THAT(verdicts({"limits.theta_error_deg=100", "limits.t_error_percent=0"}),
               ElementsAre(HasSubstr("in every condition"), HasSubstr("in no condition")));
   EXPECT_THAT(verdicts({"solvers=['lspe']"}), IsEmpty()) << "the claim is ORPE's";
-  EXPECT_THAT(error_of("cube-outliers", {"limits.solver=nobody"}), HasSubstr("limits.solver"));
-  EXPECT_THAT(error_of("cube-outliers", {"limits.t_error_percent=-1"}),
+  EXPECT_THAT(study_error("cube-outliers", {"limits.solver=nobody"}), HasSubstr("limits.solver"));
+  EXPECT_THAT(study_error("cube-outliers", {"limits.t_error_percent=-1"}),
               HasSubstr("limits.t_error_percent"));
 }
 

@@ -8,6 +8,7 @@
 #include "eval/numeric_trial.h"
 #include "eval/study.h"
 #include "scenes/input_error.h"
+#include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -63,20 +64,16 @@ TEST(OutlierModel, IsReadBackAsWritten) {
 
 TEST(OutlierModel, BadFilesGetOneClearLine) {
   const TemporaryFolder folder;
-  const auto error_of = [&](const std::string& text) -> std::string {
-    try {
-      read_outlier_model(write(folder, text));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+  const auto model_error = [&](const std::string& text) {
+    return error_of([&] { read_outlier_model(write(folder, text)); });
   };
-  EXPECT_THAT(error_of("{"), HasSubstr("not an outliers.json"));
-  EXPECT_THAT(error_of(R"({"features": ["a"], "trials": [[[1]]]})"), HasSubstr("not an outliers"));
-  EXPECT_THAT(error_of(R"({"features": ["a"], "trials": [[[0, 1]]]})"), HasSubstr("not an out"));
-  EXPECT_THAT(error_of(R"({"features": ["a"], "trials": [[[0, 1e999, 0]]]})"),
+  EXPECT_THAT(model_error("{"), HasSubstr("not an outliers.json"));
+  EXPECT_THAT(model_error(R"({"features": ["a"], "trials": [[[1]]]})"),
+              HasSubstr("not an outliers"));
+  EXPECT_THAT(model_error(R"({"features": ["a"], "trials": [[[0, 1]]]})"), HasSubstr("not an out"));
+  EXPECT_THAT(model_error(R"({"features": ["a"], "trials": [[[0, 1e999, 0]]]})"),
               HasSubstr("not an outliers.json"));
-  EXPECT_THAT(error_of(R"({"features": ["a"], "trials": []})"), HasSubstr("no trials"));
+  EXPECT_THAT(model_error(R"({"features": ["a"], "trials": []})"), HasSubstr("no trials"));
   EXPECT_THROW(read_outlier_model(folder.path() / "none.json"), InputError);
 }
 

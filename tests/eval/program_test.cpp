@@ -317,13 +317,8 @@ TEST_F(Program, ProposesATargetThatAStudyUses) {
   const std::string target = read_whole(path("box/target.toml"));
   EXPECT_THAT(target, HasSubstr("_8\""));  // eight vertices
 
-  const std::string study = read_whole(SIGHTLINE_SOURCE_DIR "/assets/studies/boeing-random.toml");
-  const size_t begin = study.find("\nfeatures = [");
-  const auto file = folder_.write(
-      "box-study.toml", study.substr(0, begin) + study.substr(study.find(']', begin) + 1));
-  const Outcome run_of_it =
-      run("study " + file.string() + " --trials 3 --set target=" + path("box/target.toml") +
-          " --out " + path("run"));
+  const Outcome run_of_it = run("study boeing-random --trials 3 --set features=all --set target=" +
+                                path("box/target.toml") + " --out " + path("run"));
   EXPECT_EQ(run_of_it.exit_code, 0) << run_of_it.output;
 
   const Outcome again = run(propose);

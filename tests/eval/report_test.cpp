@@ -54,9 +54,13 @@ std::shared_ptr<const Target> small_target() {
   const Mesh mesh = one_triangle();
   std::vector<TargetFeature> features(4);
   const char* names[] = {kEvilName, "root", "fin", "nose"};
-  for (size_t i = 0; i < features.size(); ++i) features[i].name = names[i];
-  return std::make_shared<Target>(
-      Target{"plate", "one triangle", mesh, {}, std::move(features), Occluder(mesh)});
+  for (size_t i = 0; i < features.size(); ++i) {
+    features[i].name = names[i];
+    features[i].parts = {"plate"};
+  }
+  std::vector<FeatureShape> shapes = feature_shapes(mesh, features);
+  return std::make_shared<Target>(Target{
+      "plate", "one triangle", mesh, {}, std::move(features), Occluder(mesh), std::move(shapes)});
 }
 
 Study small_study() {
@@ -301,7 +305,7 @@ TEST(Report, HasEveryFigureAndAWayToIt) {
 
 TEST(Report, OfAStudyWithoutImagesHasItsSweepAlone) {
   const std::string page = small_sweep().page();
-  for (const char* name : {"table", "extraction", "frames"}) {
+  for (const char* name : {"table", "extraction", "silhouette", "frames"}) {
     EXPECT_FALSE(has(page, fmt::format("<section id=\"{}\"", name)));
   }
   EXPECT_TRUE(has(page, "<summary>All numbers</summary>"));
@@ -395,6 +399,35 @@ TEST(ReportCatalogue, EqualsTheFolder) {
   for (const ReportFigure& figure : report_figures()) names.emplace(figure.name);
   EXPECT_EQ(names, files);
   EXPECT_EQ(names.size(), report_figures().size());
+}
+
+TEST(SilhouetteFigure, SaysWhereTheOutlineShowsEachFeature) {
+  SmallReport report;
+  const std::string page = one_line(report.page());
+  EXPECT_TRUE(has(page, "The outline beside each feature, at the true poses of 4 trials."));
+  EXPECT_TRUE(has(page, "<td>4</td><td class=\"kind\">corner</td>"));
+  report.trials[1].observations.clear();  // a pose that could not be imaged
+  const std::string fewer = one_line(report.page());
+  EXPECT_TRUE(has(fewer, "at the true poses of 3 of 4 trials."));
+  EXPECT_TRUE(has(fewer, "<td>3</td><td class=\"kind\">corner</td>"));
+}
+
+TEST(SilhouetteFigure, OfManyTrialsTakesSome) {
+  SmallReport report;
+  EXPECT_FALSE(has(one_line(report.page()), "chosen at random"));
+  for (int64_t i = 4; i < 400; ++i) report.trials.push_back(small_trial(i, 1));
+  const std::string page = one_line(report.page());
+  EXPECT_TRUE(has(page, "at the true poses of 300 of 400 trials."));
+  EXPECT_TRUE(has(page, "<td>300</td><td class=\"kind\">corner</td>"));
+  EXPECT_TRUE(has(page, "Views are those that show it, of poses chosen at random."));
+}
+
+TEST(SilhouetteFigure, IsAbsentWhereNoFeatureHasAnOutline) {
+  SmallReport report;
+  Target bare = *report.study.target;
+  bare.shapes.clear();
+  report.study.target = std::make_shared<Target>(std::move(bare));
+  EXPECT_FALSE(has(report.page(), "The outline beside each feature"));
 }
 
 TEST(AnswerFigure, StatesMeansIntervalsFailuresAndThePaper) {
@@ -567,6 +600,19 @@ TEST(FrameSvg, DrawsTheEdgePixelsThatAnOutlineWasLaidOn) {
   observation.contour = {{12.25, 22}, {13, 22.5}};
   EXPECT_THAT(feature_marks(observation, record, {}),
               HasSubstr("<path class=\"layer-edges edges\" d=\"M12.25 22h0M13 22.5h0\"/>"));
+}
+
+TEST(FrameSvg, DrawsALaidOutlineFromNeighbourToNeighbour) {
+  Observation observation;
+  observation.window = {10, 20, 11, 11};
+  const ObservationRecord record = missing("a", ObservationStatus::kParallelLines);
+  EXPECT_THAT(feature_marks(observation, record, {}), Not(HasSubstr("layer-lines")));
+  observation.laid_outline = {{12, 22}, {10, 22}, {13, 23}, {11, 22}, {13, 24}};
+  EXPECT_THAT(feature_marks(observation, record, {}),
+              HasSubstr("<path class=\"layer-lines lines\" d=\"M10 22L12 22L13 23L13 24\"/>"));
+  observation.laid_outline = {{12, 22}, {11, 22}, {20, 22}, {21, 22}, {30, 40}};  // one alone
+  EXPECT_THAT(feature_marks(observation, record, {}),
+              HasSubstr("d=\"M20 22L21 22M12 22L11 22\"/>"));
 }
 
 TEST(FrameSvg, DrawsOutlinesAsClosedPaths) {

@@ -3,18 +3,23 @@
 #include "eval/silhouette.h"
 
 #include <map>
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "eval/target_report.h"
+#include "tests/features/plate.h"
 
 namespace sightline {
 namespace {
 
 std::map<std::string, SilhouetteOffset> offsets_of(const char* name) {
   const auto target = load_target(name);
-  const auto offsets = silhouette_offsets(*target);
+  std::vector<int> features(target->features.size());
+  std::iota(features.begin(), features.end(), 0);
+  const auto offsets = silhouette_offsets(*target, features, views_all_round(*target));
   std::map<std::string, SilhouetteOffset> by_name;
   for (size_t i = 0; i < offsets.size(); ++i) by_name[target->features[i].name] = offsets[i];
   return by_name;
@@ -42,6 +47,43 @@ TEST(Silhouette, OfARoundedLeadingEdgeLiesBesideTheCreaseOfASharpTrailingEdgeLes
     EXPECT_NEAR(leading.median_m / leading.median_px, 66.0 / kSilhouetteSizePx, 0.01);
   }
   EXPECT_EQ(offsets.at("nacelle_front_1").views, 0) << "no point of an outline";
+}
+
+// A point of a plate, 0.2 m from its border, by whose outline it is known.
+Target plate_with_point() {
+  Target plate = plate_target();
+  TargetFeature point;
+  point.name = "point";
+  point.position_m = {kPlateHalfM - 0.2, 0.123, 0};
+  point.parts = {"plate"};
+  plate.features = {point};
+  plate.shapes = feature_shapes(plate.mesh, plate.features);
+  return plate;
+}
+
+TEST(Silhouette, OfAPointInsideItsOutlineIsTheDistanceToThat) {
+  const Target plate = plate_with_point();
+  const std::vector<int> point = {0};
+  const std::vector<TargetView> near = {{plate_camera(), plate_pose(20)}};  // 10 px a metre
+  const SilhouetteOffset offset = silhouette_offsets(plate, point, near).at(0);
+  EXPECT_EQ(offset.views, 1);
+  EXPECT_NEAR(offset.median_px, 2, 1e-6);
+  EXPECT_NEAR(offset.greatest_m, 0.2, 1e-7);
+
+  // With one from twice as far: half as many pixels and as many metres.
+  std::vector<TargetView> both = {near[0], near[0]};
+  both[1].cam_from_target.translation *= 2;
+  const SilhouetteOffset of_both = silhouette_offsets(plate, point, both).at(0);
+  EXPECT_EQ(of_both.views, 2);
+  EXPECT_NEAR(of_both.median_px, 1.5, 1e-6);
+  EXPECT_NEAR(of_both.greatest_px, 2, 1e-6);
+  EXPECT_NEAR(of_both.median_m, 0.2, 1e-7);
+
+  // From behind the plate is not there.
+  std::vector<TargetView> behind = near;
+  behind[0].cam_from_target.translation *= -1;
+  EXPECT_EQ(silhouette_offsets(plate, point, behind).at(0).views, 0);
+  EXPECT_TRUE(silhouette_offsets(plate, {}, near).empty());
 }
 
 TEST(Silhouette, IsSaidOfEveryFeature) {

@@ -7,21 +7,18 @@
 
 #include "eval/trial.h"
 #include "scenes/assets.h"
-#include "scenes/input_error.h"
+#include "tests/scenes/error_text.h"
 
 namespace sightline {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
-std::string error_of(const std::vector<std::string>& settings) {
-  try {
-    read_study("boeing-table1", {.trials = {}, .seed = {}, .set = settings});
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+std::string study_error(const std::vector<std::string>& settings) {
+  return error_of(
+      [&] { read_study("boeing-table1", {.trials = {}, .seed = {}, .set = settings}); });
 }
 
 TEST(Study, AllThatShipAreRead) {
@@ -65,22 +62,55 @@ TEST(Study, OverridesCountAndAreKept) {
 }
 
 TEST(Study, MistakesGetOneClearLine) {
-  EXPECT_THAT(error_of({"trails=3"}), AllOf(HasSubstr("trails"), HasSubstr("'trials'")));
-  EXPECT_THAT(error_of({"background.levle=0.2"}), HasSubstr("did you mean 'level'"));
-  EXPECT_THAT(error_of({"target=boeing708"}), HasSubstr("did you mean 'boeing707'"));
-  EXPECT_THAT(error_of({"solvers=['orpee']"}), HasSubstr("did you mean 'orpe'"));
-  EXPECT_THAT(error_of({"features=['nos']"}), HasSubstr("did you mean 'nose'"));
-  EXPECT_THAT(error_of({"extraction.corner=shi_tomasi"}), HasSubstr("shi_tomasi_nearest"));
-  EXPECT_THAT(error_of({"image.samples_per_pixel=5"}), HasSubstr("1, 4, 8, 16"));
-  EXPECT_THAT(error_of({"camera.f_px=-1"}), HasSubstr("camera.f_px"));
-  EXPECT_THAT(error_of({"solvers=[]"}), HasSubstr("at least one"));
-  EXPECT_THAT(error_of({"solvers=['orpe', 'orpe']"}), HasSubstr("twice"));
-  EXPECT_THAT(error_of({"trials=0"}), AllOf(HasSubstr("--set trials=0"), HasSubstr("from 1 to")));
-  EXPECT_THAT(error_of({"features=[]"}), HasSubstr("features is empty"));
-  EXPECT_THAT(error_of({"name='../escaped'"}), HasSubstr("must be letters"));
-  EXPECT_THAT(error_of({".noise=1"}), HasSubstr("must read key=value"));
-  EXPECT_THAT(error_of({"extraction.lines.canny_high=20"}), HasSubstr("canny_high"));
-  EXPECT_THAT(error_of({"poses.range_m=[1, 2]"}), HasSubstr("beside"));
+  EXPECT_THAT(study_error({"trails=3"}), AllOf(HasSubstr("trails"), HasSubstr("'trials'")));
+  EXPECT_THAT(study_error({"background.levle=0.2"}), HasSubstr("did you mean 'level'"));
+  EXPECT_THAT(study_error({"target=boeing708"}), HasSubstr("did you mean 'boeing707'"));
+  EXPECT_THAT(study_error({"solvers=['orpee']"}), HasSubstr("did you mean 'orpe'"));
+  EXPECT_THAT(study_error({"features=['nos']"}), HasSubstr("did you mean 'nose'"));
+  EXPECT_THAT(study_error({"extraction.corner=shi_tomasi"}), HasSubstr("shi_tomasi_nearest"));
+  EXPECT_THAT(study_error({"image.samples_per_pixel=5"}), HasSubstr("1, 4, 8, 16"));
+  EXPECT_THAT(study_error({"camera.f_px=-1"}), HasSubstr("camera.f_px"));
+  EXPECT_THAT(study_error({"solvers=[]"}), HasSubstr("at least one"));
+  EXPECT_THAT(study_error({"solvers=['orpe', 'orpe']"}), HasSubstr("twice"));
+  EXPECT_THAT(study_error({"trials=0"}),
+              AllOf(HasSubstr("--set trials=0"), HasSubstr("from 1 to")));
+  EXPECT_THAT(study_error({"features=[]"}), HasSubstr("features is empty"));
+  EXPECT_THAT(study_error({"name='../escaped'"}), HasSubstr("must be letters"));
+  EXPECT_THAT(study_error({".noise=1"}), HasSubstr("must read key=value"));
+  EXPECT_THAT(study_error({"extraction.lines.canny_high=20"}), HasSubstr("canny_high"));
+  EXPECT_THAT(study_error({"poses.range_m=[1, 2]"}), HasSubstr("beside"));
+}
+
+TEST(Study, AllFeaturesAreWrittenOutByName) {
+  const Study five = read_study("boeing-random");
+  const Study all =
+      read_study("boeing-random", {.trials = {}, .seed = {}, .set = {"features=all"}});
+  ASSERT_EQ(five.features.size(), 5u);
+  ASSERT_EQ(all.features.size(), all.target->features.size());
+  ASSERT_GT(all.features.size(), five.features.size());
+  for (size_t i = 0; i < all.features.size(); ++i) {
+    EXPECT_EQ(all.features[i], static_cast<int>(i));
+    EXPECT_THAT(all.toml, HasSubstr(all.target->features[i].name));
+  }
+  const Study again = read_study_text(all.toml, "study.toml");
+  EXPECT_EQ(again.features, all.features);
+  EXPECT_EQ(again.toml, all.toml);
+  EXPECT_EQ(
+      read_study("boeing-random", {.trials = {}, .seed = {}, .set = {"features=\"all\""}}).toml,
+      all.toml);
+  const Study numeric =
+      read_study("cube-noise", {.trials = {}, .seed = {}, .set = {"features=all"}});
+  EXPECT_EQ(numeric.features.size(), 8u);
+}
+
+TEST(Study, NoOtherWordStandsForFeatures) {
+  EXPECT_THAT(study_error({"features=al"}),
+              AllOf(HasSubstr("--set features=al: features is \"al\", must be \"all\" or an array "
+                              "of names"),
+                    HasSubstr("wing_tip_le_port"), Not(HasSubstr("\n"))));
+  EXPECT_THAT(study_error({"features=nose"}), HasSubstr("must be \"all\" or an array of names"));
+  EXPECT_THAT(study_error({"features=5"}), HasSubstr("must be an array of texts"));
+  EXPECT_THAT(study_error({"features=['all']"}), HasSubstr("features holds \"all\""));
 }
 
 TEST(Study, AnyKeyOfASceneCanBeSwept) {
@@ -152,21 +182,21 @@ TEST(Study, ASolverGetsTheInputsAskedFor) {
   EXPECT_GT(find_estimate(trial.record, "lspe")->geodesic_deg, 1e-2);
   EXPECT_NEAR(find_estimate(trial.record, "lspe/inliers")->geodesic_deg,
               find_estimate(trial.record, "oracle")->geodesic_deg, 1e-9);
-  EXPECT_THAT(error_of({"solver.inputs=['exakt']"}), HasSubstr("did you mean 'exact'"));
+  EXPECT_THAT(study_error({"solver.inputs=['exakt']"}), HasSubstr("did you mean 'exact'"));
 }
 
 TEST(Study, MistakesInASweepGetOneClearLine) {
-  EXPECT_THAT(error_of({"sweep={'background.levle'=[0.2]}"}), HasSubstr("did you mean 'level'"));
-  EXPECT_THAT(error_of({"sweep={'background.level'=[0.2, 0.2]}"}), HasSubstr("twice"));
-  EXPECT_THAT(error_of({"sweep={'background.level'=[]}"}), HasSubstr("one or more"));
-  EXPECT_THAT(error_of({"sweep={'background.level'=[3]}"}), HasSubstr("from 0 to 1"));
-  EXPECT_THAT(error_of({"sweep={'trials'=[1, 2]}"}), HasSubstr("cannot be swept"));
+  EXPECT_THAT(study_error({"sweep={'background.levle'=[0.2]}"}), HasSubstr("did you mean 'level'"));
+  EXPECT_THAT(study_error({"sweep={'background.level'=[0.2, 0.2]}"}), HasSubstr("twice"));
+  EXPECT_THAT(study_error({"sweep={'background.level'=[]}"}), HasSubstr("one or more"));
+  EXPECT_THAT(study_error({"sweep={'background.level'=[3]}"}), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(study_error({"sweep={'trials'=[1, 2]}"}), HasSubstr("cannot be swept"));
 }
 
 TEST(Study, AFixedPoseThatCannotBeImagedIsAnInputError) {
-  EXPECT_THAT(error_of({"poses.fixed=[{theta_deg=[0,0,0], t_m=[0,0,-100]}]"}),
+  EXPECT_THAT(study_error({"poses.fixed=[{theta_deg=[0,0,0], t_m=[0,0,-100]}]"}),
               AllOf(HasSubstr("poses.fixed[0]"), HasSubstr("behind the camera")));
-  EXPECT_THAT(error_of({"poses.fixed=[{theta_deg=[0,0,0], t_m=[500,0,1300]}]"}),
+  EXPECT_THAT(study_error({"poses.fixed=[{theta_deg=[0,0,0], t_m=[500,0,1300]}]"}),
               HasSubstr("outside the image"));
 }
 

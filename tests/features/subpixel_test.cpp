@@ -228,6 +228,37 @@ TEST(ModelEdges, WithoutAMeshThereIsNoOutline) {
   }
 }
 
+// Of a pixel from the border of the plate's image, which faces the camera.
+double from_border_px(const Pose& pose, const Eigen::Vector2d& pixel) {
+  const Eigen::Vector2d centre = *project(plate_camera(), pose * Eigen::Vector3d(0, 0, 0));
+  const Eigen::Vector2d in_plate =
+      pose.rotation.topLeftCorner<2, 2>().transpose() * (pixel - centre);
+  return std::abs(in_plate.cwiseAbs().maxCoeff() - 50);
+}
+
+TEST(Contour, SaysWhereTheOutlineCameToLie) {
+  const Target target = plate_target();
+  const Pose truth = plate_pose(20, {0.1, 0.2});
+  const Pose expected = plate_pose(22, {0.4, -0.1});  // 4 px off, and turned
+  const PosePrior prior = prior_of(expected, plate_camera(), {});
+  const cv::Mat image = exposed(plate_coverage(truth), {});
+  for (const Observation& seen : extract_plate("contour", image, target, prior)) {
+    ASSERT_EQ(seen.status, ObservationStatus::kFound);
+    ASSERT_GE(seen.laid_outline.size(), seen.contour.size());
+    double on_truth_px = 0, on_expected_px = 0;
+    for (const Eigen::Vector2d& sample : seen.laid_outline) {
+      on_truth_px = std::max(on_truth_px, from_border_px(truth, sample));
+      on_expected_px = std::max(on_expected_px, from_border_px(expected, sample));
+    }
+    EXPECT_LT(on_truth_px, 0.6);
+    EXPECT_GT(on_expected_px, 2);
+  }
+  const cv::Mat noise = exposed(cv::Mat::zeros(kPlateImagePx, kPlateImagePx, CV_32F), {});
+  for (const Observation& seen : extract_plate("contour", noise, target, prior)) {
+    EXPECT_TRUE(seen.laid_outline.empty());
+  }
+}
+
 TEST(Outline, OfAPlateIsItsFourEdges) {
   const Target target = plate_target();
   const Pose pose = plate_pose(20, {0.3, 0.1});

@@ -10,6 +10,7 @@
 #include "scenes/builders/cube.h"
 #include "scenes/input_error.h"
 #include "scenes/mesh_inspection.h"
+#include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -26,13 +27,8 @@ constexpr const char* kSquareObj =
     "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0 0\n"
     "f 1 2 3\nf 4 5 6\nf 1 2 7\nf 3 1 2\n";
 
-std::string error_of(const std::filesystem::path& file, const MeshFrame& frame = {}) {
-  try {
-    read_mesh(file, frame);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+std::string mesh_error(const std::filesystem::path& file, const MeshFrame& frame = {}) {
+  return error_of([&] { read_mesh(file, frame); });
 }
 
 TEST(MeshIo, GlbComesBackAsItWentOut) {
@@ -99,7 +95,7 @@ TEST(MeshIo, ErrorsNameTheFileInOneLine) {
   const auto broken_obj = folder.write("broken.ply", "ply\nnonsense\n");
   const auto empty = folder.write("empty.obj", "o nothing\nv 0 0 0\n");
   for (const auto& file : {folder.path() / "absent.glb", broken_glb, broken_obj, empty}) {
-    const std::string error = error_of(file);
+    const std::string error = mesh_error(file);
     EXPECT_THAT(error, HasSubstr(file.string()));
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
   }
@@ -110,7 +106,7 @@ TEST(MeshIo, ATruncatedGlbIsAnErrorNotACrash) {
   write_glb(build_cube().mesh, folder.path() / "cube.glb");
   const std::string whole = read_whole(folder.path() / "cube.glb");
   for (const size_t size : {whole.size() / 8, whole.size() / 2, whole.size() - 4}) {
-    EXPECT_NE(error_of(folder.write("torn.glb", whole.substr(0, size)), kGltfFrame), "") << size;
+    EXPECT_NE(mesh_error(folder.write("torn.glb", whole.substr(0, size)), kGltfFrame), "") << size;
   }
 }
 
@@ -132,10 +128,10 @@ TEST(MeshIo, AMeshWithoutSizeIsDegenerate) {
   for (const char* vertex : {"v 0 0 0\n", "v 1e8 1e8 1e8\n"}) {
     const auto file =
         folder.write("point.obj", std::string(vertex) + vertex + vertex + "f 1 2 3\n");
-    EXPECT_THAT(error_of(file), HasSubstr("degenerate"));
+    EXPECT_THAT(mesh_error(file), HasSubstr("degenerate"));
   }
   const auto huge = folder.write("huge.obj", "v 0 0 0\nv 1e30 0 0\nv 0 1e30 0\nf 1 2 3\n");
-  EXPECT_THAT(error_of(huge), HasSubstr("at most"));
+  EXPECT_THAT(mesh_error(huge), HasSubstr("at most"));
 }
 
 TEST(MeshIo, AGltfWithoutScenesIsReadFromItsRoots) {
@@ -154,25 +150,25 @@ TEST(MeshIo, AGltfWithoutScenesIsReadFromItsRoots) {
 
   std::string bad_scene = gltf;
   bad_scene.replace(bad_scene.find("\"nodes\""), 0, "\"scene\":7,\"scenes\":[{\"nodes\":[0]}],");
-  EXPECT_THAT(error_of(folder.write("scene.gltf", bad_scene)), HasSubstr("scene"));
+  EXPECT_THAT(mesh_error(folder.write("scene.gltf", bad_scene)), HasSubstr("scene"));
 }
 
 TEST(MeshIo, TornFilesAreErrorsOrMeshesNeverCrashes) {
   const TemporaryFolder folder;
   const std::string obj = kSquareObj;
   for (size_t size = 1; size < obj.size(); size += 7) {
-    error_of(folder.write("torn.obj", obj.substr(0, size)));
+    mesh_error(folder.write("torn.obj", obj.substr(0, size)));
   }
   const auto bad_index = folder.write("index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 99\n");
-  EXPECT_NE(error_of(bad_index), "");
+  EXPECT_NE(mesh_error(bad_index), "");
 }
 
 TEST(MeshIo, RejectsAFrameThatIsNone) {
   const TemporaryFolder folder;
   const auto file = folder.write("square.obj", kSquareObj);
-  EXPECT_THAT(error_of(file, {"w", "+y", 1}), HasSubstr("allowed: +x"));
-  EXPECT_THAT(error_of(file, {"+x", "-x", 1}), HasSubstr("different axes"));
-  EXPECT_THAT(error_of(file, {"+x", "+y", 0}), HasSubstr("unit_m"));
+  EXPECT_THAT(mesh_error(file, {"w", "+y", 1}), HasSubstr("allowed: +x"));
+  EXPECT_THAT(mesh_error(file, {"+x", "-x", 1}), HasSubstr("different axes"));
+  EXPECT_THAT(mesh_error(file, {"+x", "+y", 0}), HasSubstr("unit_m"));
 }
 
 TEST(MeshIo, AFolderThatIsNotThereCannotBeWritten) {

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "scenes/input_error.h"
+#include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -30,15 +31,6 @@ MeshSoup one_triangle() {
       .normal = {up, Eigen::Vector3d::Zero(), -up},
       .part = 1};
   return {.triangles = {triangle}, .parts = {{"hull", 0.25}, {"Flügel", 1}}};
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 std::string decode_error(const MeshSoup& soup) {

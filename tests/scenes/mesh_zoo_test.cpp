@@ -16,6 +16,7 @@
 #include "scenes/input_error.h"
 #include "scenes/mesh_inspection.h"
 #include "scenes/mesh_io.h"
+#include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -161,18 +162,13 @@ std::string gltf(const std::string& buffer_uri, const std::string& buffer_bytes 
 
 class MeshZoo : public testing::Test {
  protected:
-  std::string error_of(const fs::path& file) const {
-    try {
-      read_mesh(file);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+  std::string mesh_error(const fs::path& file) const {
+    return error_of([&] { read_mesh(file); });
   }
 
   // One line that names the file; returned to say more of it.
   std::string clean_error_of(const fs::path& file) const {
-    const std::string error = error_of(file);
+    const std::string error = mesh_error(file);
     EXPECT_THAT(error, HasSubstr(file.filename().string()));
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
     return error;
@@ -228,7 +224,7 @@ TEST_F(MeshZoo, TornFilesAreErrorsOrMeshesNeverCrashes) {
     for (const size_t eighths : {1, 4, 7}) {
       if (name == "cube.ply" && eighths < 7) continue;  // see the next test
       const auto file = folder_.write(name, content.substr(0, content.size() * eighths / 8));
-      const std::string error = error_of(file);
+      const std::string error = mesh_error(file);
       if (error.empty()) continue;  // some formats end anywhere
       EXPECT_THAT(error, HasSubstr(name));
       EXPECT_EQ(error.find('\n'), std::string::npos) << error;
@@ -260,7 +256,7 @@ TEST_F(MeshZoo, AWrongExtensionIsAnErrorOrReadForWhatItIs) {
   for (const auto& [name, content] : whole_files()) {
     for (const char* extension : {"obj", "stl", "ply", "off", "ac", "dae", "gltf", "glb"}) {
       const auto file = folder_.write(fmt::format("wrong.{}", extension), content);
-      const std::string error = error_of(file);
+      const std::string error = mesh_error(file);
       if (error.empty()) {
         EXPECT_EQ(read_mesh(file).mesh.triangles.size(), 12u) << name << " as " << extension;
       } else {
@@ -269,7 +265,7 @@ TEST_F(MeshZoo, AWrongExtensionIsAnErrorOrReadForWhatItIs) {
     }
   }
   // The two kinds of glTF are told apart by their content.
-  EXPECT_EQ(error_of(folder_.write("text.glb", gltf("cube.bin"))), "");
+  EXPECT_EQ(mesh_error(folder_.write("text.glb", gltf("cube.bin"))), "");
 }
 
 TEST_F(MeshZoo, WhatIsNoFileIsRefusedUnopened) {
@@ -322,8 +318,8 @@ TEST_F(MeshZoo, AGltfReachesNothingOutsideItsFolder) {
   EXPECT_NE(clean_error_of(folder_.write("inner/pipe.gltf", gltf("pipe.bin"))), "");
   // The same buffer within the folder is read.
   folder_.write("inner/cube.bin", gltf_buffer());
-  EXPECT_EQ(error_of(folder_.write("inner/in.gltf", gltf("cube.bin"))), "");
-  EXPECT_EQ(error_of(folder_.write("out.gltf", gltf("inner/cube.bin"))), "");
+  EXPECT_EQ(mesh_error(folder_.write("inner/in.gltf", gltf("cube.bin"))), "");
+  EXPECT_EQ(mesh_error(folder_.write("out.gltf", gltf("inner/cube.bin"))), "");
 }
 
 TEST_F(MeshZoo, AnObjTakesItsColoursFromItsOwnFolderOnly) {
@@ -456,7 +452,7 @@ TEST_F(MeshZoo, ReadsRealAircraftAlsoTorn) {
   for (const double share : {0.001, 0.3, 0.6, 0.9}) {
     const auto torn =
         folder_.write("torn.ac", whole.substr(0, static_cast<size_t>(share * whole.size())));
-    const std::string error = error_of(torn);
+    const std::string error = mesh_error(torn);
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
   }
 }

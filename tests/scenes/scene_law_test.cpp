@@ -10,6 +10,7 @@
 
 #include "pose/attitude.h"
 #include "scenes/input_error.h"
+#include "tests/scenes/error_text.h"
 
 namespace sightline {
 namespace {
@@ -35,13 +36,8 @@ SceneLaw law_of(const std::string& more) {
   return law;
 }
 
-std::string error_of(const std::string& more) {
-  try {
-    law_of(more);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+std::string law_error(const std::string& more) {
+  return error_of([&] { law_of(more); });
 }
 
 TEST(SceneLaw, ANumberIsThatNumberInEveryScene) {
@@ -139,24 +135,24 @@ angle_deg = [0, 0]
 }
 
 TEST(SceneLaw, MistakesGetOneClearLine) {
-  EXPECT_THAT(error_of("[background]\nlevel = 2"), AllOf(HasSubstr("level"), HasSubstr("0 to 1")));
-  EXPECT_THAT(error_of("[background]\nlevel = [0.5, 0.2]"), HasSubstr("[low, high]"));
-  EXPECT_THAT(error_of("[background]\nkind = \"cloud\""), HasSubstr("clouds"));
-  EXPECT_THAT(error_of("[background]\nfile = \"x.png\""), HasSubstr("kind = \"image\""));
-  EXPECT_THAT(error_of("[background]\nkind = \"image\"\nfile = \"no.png\""),
+  EXPECT_THAT(law_error("[background]\nlevel = 2"), AllOf(HasSubstr("level"), HasSubstr("0 to 1")));
+  EXPECT_THAT(law_error("[background]\nlevel = [0.5, 0.2]"), HasSubstr("[low, high]"));
+  EXPECT_THAT(law_error("[background]\nkind = \"cloud\""), HasSubstr("clouds"));
+  EXPECT_THAT(law_error("[background]\nfile = \"x.png\""), HasSubstr("kind = \"image\""));
+  EXPECT_THAT(law_error("[background]\nkind = \"image\"\nfile = \"no.png\""),
               HasSubstr("no picture"));
-  EXPECT_THAT(error_of("[light]\nphase_deg = 10\ncone_deg = 5"), HasSubstr("cone_deg"));
-  EXPECT_THAT(error_of("[light]\nazimuth_deg = 10"), HasSubstr("needs phase_deg"));
-  EXPECT_THAT(error_of("[[other]]\ntarget = \"cub\""), HasSubstr("did you mean 'cube'"));
-  EXPECT_THAT(error_of("[[other]]\ntarget = \"cube\"\ncount = 999"), HasSubstr("count"));
-  EXPECT_THAT(error_of("[motion]\nsamples = 1"), HasSubstr("samples"));
+  EXPECT_THAT(law_error("[light]\nphase_deg = 10\ncone_deg = 5"), HasSubstr("cone_deg"));
+  EXPECT_THAT(law_error("[light]\nazimuth_deg = 10"), HasSubstr("needs phase_deg"));
+  EXPECT_THAT(law_error("[[other]]\ntarget = \"cub\""), HasSubstr("did you mean 'cube'"));
+  EXPECT_THAT(law_error("[[other]]\ntarget = \"cube\"\ncount = 999"), HasSubstr("count"));
+  EXPECT_THAT(law_error("[motion]\nsamples = 1"), HasSubstr("samples"));
   EXPECT_THROW(read_scene_law(TomlTable::read_text("[camera]\nf_px = 300\n[poses]\ntilt_deg = 3\n"
                                                    "angle_deg = [0, 1]\nlateral_m = [0, 0]\n"
                                                    "range_m = [3, 4]\n",
                                                    "scene.toml"),
                               load_target("cube"), {}),
                InputError);
-  EXPECT_THAT(error_of("[image]\npsf = 1"), HasSubstr("not a known key"));
+  EXPECT_THAT(law_error("[image]\npsf = 1"), HasSubstr("not a known key"));
 }
 
 TEST(SceneLaw, ALensThatFoldsTheImageIsRefused) {

@@ -8,6 +8,7 @@
 #include "scenes/assets.h"
 #include "scenes/builders/cube.h"
 #include "scenes/input_error.h"
+#include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -28,13 +29,8 @@ class TargetFile : public testing::Test {
   std::shared_ptr<const Target> load(const std::string& text) const {
     return load_target(folder_.write("target.toml", text).string());
   }
-  std::string error_of(const std::string& text) const {
-    try {
-      load(text);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "";
+  std::string target_error(const std::string& text) const {
+    return error_of([&] { load(text); });
   }
 
   TemporaryFolder folder_;
@@ -50,15 +46,16 @@ TEST_F(TargetFile, LoadsMeshAndFeatures) {
 
 TEST_F(TargetFile, ErrorsSayWhatIsWrong) {
   const std::string head = kHead;
-  EXPECT_THAT(error_of("name = 'x'\n"), HasSubstr("mesh.file is missing"));
-  EXPECT_THAT(error_of("name = 'x'\n[mesh]\nfile = 'no.glb'\n"), HasSubstr("no.glb"));
-  EXPECT_THAT(error_of(head + "[[feature]]\nname = 'v'\nkind = 'lines'\nposition_m = [0, 0, 0]\n"),
-              HasSubstr("kind"));
-  EXPECT_THAT(error_of(head + kVertex + kVertex), HasSubstr("given twice"));
-  EXPECT_THAT(error_of(head + "colour = 3\n"), HasSubstr("mesh.colour is not a known key"));
+  EXPECT_THAT(target_error("name = 'x'\n"), HasSubstr("mesh.file is missing"));
+  EXPECT_THAT(target_error("name = 'x'\n[mesh]\nfile = 'no.glb'\n"), HasSubstr("no.glb"));
+  EXPECT_THAT(
+      target_error(head + "[[feature]]\nname = 'v'\nkind = 'lines'\nposition_m = [0, 0, 0]\n"),
+      HasSubstr("kind"));
+  EXPECT_THAT(target_error(head + kVertex + kVertex), HasSubstr("given twice"));
+  EXPECT_THAT(target_error(head + "colour = 3\n"), HasSubstr("mesh.colour is not a known key"));
   std::string elsewhere = kVertex;
   elsewhere.replace(elsewhere.find("[0.5, 0.5, 0.5]"), 15, "[0.5, 0.5, 0.6]");
-  EXPECT_THAT(error_of(head + elsewhere), HasSubstr("must begin at position_m"));
+  EXPECT_THAT(target_error(head + elsewhere), HasSubstr("must begin at position_m"));
 }
 
 TEST_F(TargetFile, AFeatureOffTheMeshIsRefusedByName) {
@@ -67,18 +64,18 @@ TEST_F(TargetFile, AFeatureOffTheMeshIsRefusedByName) {
     return "[[feature]]\nname = 'tip'\nkind = 'corner'\nposition_m = [" + x + ", 0.5, 0.5]\n";
   };
   // 1 % of the size is 0.0173 m.
-  EXPECT_EQ(error_of(head + corner("0.517")), "");
-  EXPECT_THAT(error_of(head + corner("0.518")),
+  EXPECT_EQ(target_error(head + corner("0.517")), "");
+  EXPECT_THAT(target_error(head + corner("0.518")),
               testing::AllOf(HasSubstr("feature[0].position_m"), HasSubstr("\"tip\""),
                              HasSubstr("0.018 m off the mesh")));
-  EXPECT_EQ(error_of(head + corner("0.518") + "clearance_m = 0.02\n"), "");
-  EXPECT_THAT(error_of(head + kVertex + corner("9")), HasSubstr("feature[1]"));
+  EXPECT_EQ(target_error(head + corner("0.518") + "clearance_m = 0.02\n"), "");
+  EXPECT_THAT(target_error(head + kVertex + corner("9")), HasSubstr("feature[1]"));
 }
 
 TEST_F(TargetFile, EdgesThatDoNotMeetAreRefusedByName) {
   std::string apart = kVertex;
   apart.replace(apart.rfind("[[0.5, 0.5, 0.5]"), 16, "[[0.5, 0.4, 0.5]");
-  EXPECT_THAT(error_of(std::string(kHead) + apart), HasSubstr("\"v\": edge 1"));
+  EXPECT_THAT(target_error(std::string(kHead) + apart), HasSubstr("\"v\": edge 1"));
 }
 
 TEST_F(TargetFile, PartsOfAFeatureMustBeGivenAndKnown) {
@@ -88,12 +85,12 @@ TEST_F(TargetFile, PartsOfAFeatureMustBeGivenAndKnown) {
            "'\nposition_m = [0.5, 0.5, 0.5]\n" + parts;
   };
   EXPECT_THAT(
-      error_of(feature("contour", "")),
+      target_error(feature("contour", "")),
       testing::AllOf(HasSubstr("feature[0].parts"), HasSubstr("\"tip\" must name the parts")));
-  EXPECT_THAT(error_of(feature("contour", "parts = []\n")), HasSubstr("must name the parts"));
-  EXPECT_EQ(error_of(feature("contour", "parts = ['" + part + "']\n")), "");
-  EXPECT_EQ(error_of(feature("corner", "")), "");
-  const std::string misspelt = error_of(feature("contour", "parts = ['" + part + "x']\n"));
+  EXPECT_THAT(target_error(feature("contour", "parts = []\n")), HasSubstr("must name the parts"));
+  EXPECT_EQ(target_error(feature("contour", "parts = ['" + part + "']\n")), "");
+  EXPECT_EQ(target_error(feature("corner", "")), "");
+  const std::string misspelt = target_error(feature("contour", "parts = ['" + part + "x']\n"));
   EXPECT_THAT(misspelt, testing::AllOf(HasSubstr("of \"tip\" holds \"" + part + "x\""),
                                        HasSubstr("did you mean '" + part + "'")));
   EXPECT_THAT(misspelt, testing::Not(HasSubstr("\n")));

@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/toml_table.h"
 
-#include <functional>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "scenes/input_error.h"
+#include "tests/scenes/error_text.h"
 
 namespace sightline {
 namespace {
@@ -17,15 +16,6 @@ using testing::HasSubstr;
 
 TomlTable parse(const std::string& text, const std::vector<std::string>& overrides = {}) {
   return TomlTable::read_text(text, "study.toml", overrides);
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 TEST(TomlTable, ReadsWhatIsThere) {
