@@ -210,7 +210,8 @@ Vector<kBeside> start_of(const Band& band) {
 // The line of a band's pixels; see fit_blurred_edge.
 template <int kBeside>
 std::optional<ImageLine> fitted(const Task& task, const ImageLine& line) {
-  constexpr double kConvergedPx = 1e-2;  // by the last step: the next would be its square
+  constexpr double kConvergedPx = 1e-2;       // by the last step: the next would be its square
+  constexpr double kConvergedSquares = 1e-2;  // of the sum, by the last step: 0.5 % of sigma
   const Stretch& stretch = task.stretch;
   Vector<kBeside> x = start_of<kBeside>(task.band);
   Normal<kBeside> sums = normal_equations<kBeside>(task, x);
@@ -222,6 +223,12 @@ std::optional<ImageLine> fitted(const Task& task, const ImageLine& line) {
     const Vector<kBeside> step = damped.ldlt().solve(sums.gradient);
     Vector<kBeside> next = x + step;
     next[4] = std::clamp(next[4], kMinBlurPx, kMaxBlurPx);
+    const double moves_px =
+        std::abs(step[0]) + std::abs(step[1]) * (stretch.to_px - stretch.from_px);
+    if (moves_px < kConvergedPx && step.dot(sums.gradient) < kConvergedSquares * sums.squares) {
+      x = next;
+      break;
+    }
     const Normal<kBeside> there = normal_equations<kBeside>(task, next);
     if (!(there.squares < sums.squares)) {
       damping *= 10;
@@ -231,9 +238,7 @@ std::optional<ImageLine> fitted(const Task& task, const ImageLine& line) {
     x = next;
     sums = there;
     damping = std::max(damping / 10, 1e-6);
-    if (std::abs(step[0]) + std::abs(step[1]) * (stretch.to_px - stretch.from_px) < kConvergedPx) {
-      break;
-    }
+    if (moves_px < kConvergedPx) break;
   }
   const double degrees = static_cast<double>(task.band.pixels.size() - kOfLine);
   const double sd = std::max(task.noise_sd_grey, std::sqrt(sums.squares / degrees));
