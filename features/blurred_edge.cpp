@@ -3,10 +3,13 @@
 //
 // The model: grey(p) = low + (high - low) Phi(x / s), x = n . (p - point) - offset - slope t, with
 // t along the line. A pixel's square adds 1/12 to s^2, so that s stands for blur and pixel at once.
+// An edge beside it adds (beyond - high) Phi(x' / s), with x' its own distance, of like form.
 #include "features/blurred_edge.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -21,10 +24,16 @@ constexpr double kMaxMovePx = 1.5;
 constexpr double kMinBlurPx = 0.25;
 constexpr double kMaxBlurPx = 2.5;
 constexpr int kMaxIterations = 12;
-constexpr int kParameters = 5;  // offset, slope, low, high, s
+constexpr int kOfLine = 5;               // parameters: offset, slope, low, high, s
+constexpr int kOfBeside = 3;             // of an edge beside it: offset, slope, contrast
+constexpr double kContrastSdGrey = 100;  // of an edge beside it, before it is seen
 
-using Vector5d = Eigen::Matrix<double, kParameters, 1>;
-using Matrix5d = Eigen::Matrix<double, kParameters, kParameters>;
+template <int kBeside>
+constexpr int kParameters = kOfLine + kOfBeside* kBeside;
+template <int kBeside>
+using Vector = Eigen::Matrix<double, kParameters<kBeside>, 1>;
+template <int kBeside>
+using Matrix = Eigen::Matrix<double, kParameters<kBeside>, kParameters<kBeside>>;
 
 struct Band {
   struct Pixel {
@@ -32,6 +41,16 @@ struct Band {
   };
   std::vector<Pixel> pixels;
 };
+
+// The pixels of a row, of those between two, that may lie in the band.
+std::pair<int, int> in_band(const Eigen::Vector2d& point, const Eigen::Vector2d& normal, int v,
+                            int first_u, int last_u) {
+  if (std::abs(normal.x()) < 1e-3) return {first_u, last_u};
+  const double middle_u = point.x() - normal.y() * (v - point.y()) / normal.x();
+  const double half_u = kBandPx / std::abs(normal.x()) + 1;
+  return {std::max(first_u, static_cast<int>(std::max(middle_u - half_u, first_u - 1.0))),
+          std::min(last_u, static_cast<int>(std::min(middle_u + half_u, last_u + 1.0)))};
+}
 
 Band band_of(const cv::Mat& image, const ImageLine& line, const Stretch& stretch) {
   const Eigen::Vector2d normal(-line.direction.y(), line.direction.x());
@@ -46,7 +65,8 @@ Band band_of(const cv::Mat& image, const ImageLine& line, const Stretch& stretch
   Band band;
   for (int v = first_v; v <= last_v; ++v) {
     const uint8_t* row = image.ptr<uint8_t>(v);
-    for (int u = first_u; u <= last_u; ++u) {
+    const auto [row_first_u, row_last_u] = in_band(line.point, normal, v, first_u, last_u);
+    for (int u = row_first_u; u <= row_last_u; ++u) {
       const Eigen::Vector2d p = Eigen::Vector2d(u, v) - line.point;
       const double across = normal.dot(p);
       const double along = line.direction.dot(p);
@@ -57,62 +77,128 @@ Band band_of(const cv::Mat& image, const ImageLine& line, const Stretch& stretch
   return band;
 }
 
+// What is fitted, and what is known of the edges beside it.
+struct Task {
+  const Band& band;
+  const Stretch& stretch;
+  std::span<const EdgeBeside> beside;
+  double noise_sd_grey;
+};
+
+template <int kBeside>
 struct Normal {
-  Matrix5d information = Matrix5d::Zero();
-  Vector5d gradient = Vector5d::Zero();
+  Matrix<kBeside> information = Matrix<kBeside>::Zero();
+  Vector<kBeside> gradient = Vector<kBeside>::Zero();
   double squares = 0;
 };
 
+// How far an edge beside the line is expected from it, and the cosine of the angle between them.
+std::pair<double, double> expected_beside(const EdgeBeside& edge, double from_begin_px) {
+  const size_t last = edge.offset_px.size() - 2;
+  const size_t i = std::min(static_cast<size_t>(std::max(0.0, from_begin_px)), last);
+  const double slope = edge.offset_px[i + 1] - edge.offset_px[i];
+  const double part = from_begin_px - static_cast<double>(i);
+  return {edge.offset_px[i] + part * slope, 1 / std::sqrt(1 + slope * slope)};
+}
+
+// Adds what is known of a parameter beforehand: zero to a standard deviation.
+template <int kBeside>
+void add_known(double sd, double noise_sd_grey, int parameter, const Vector<kBeside>& x,
+               Normal<kBeside>& sums) {
+  const double weight = std::pow(std::max(1.0, noise_sd_grey) / sd, 2);
+  sums.information(parameter, parameter) += weight;
+  sums.gradient[parameter] -= weight * x[parameter];
+  sums.squares += weight * x[parameter] * x[parameter];
+}
+
 // J^T J, J^T r and r^T r of grey minus model.
-Normal normal_equations(const Band& band, const Vector5d& x) {
+template <int kBeside>
+Normal<kBeside> normal_equations(const Task& task, const Vector<kBeside>& x) {
   const NormalLaw& law = normal_law();
   const double s = x[4];
   const double contrast = x[3] - x[2];
-  Normal sums;
-  for (const Band::Pixel& pixel : band.pixels) {
+  const double middle_px = (task.stretch.from_px + task.stretch.to_px) / 2;
+  const double half_px = (task.stretch.to_px - task.stretch.from_px) / 2;
+  // Of each pixel's row of J and, after it, its r; of even size, which is summed fastest.
+  constexpr int kColumns = (kParameters<kBeside> + 2) / 2 * 2;
+  using Row = Eigen::Matrix<double, kColumns, 1>;
+  Eigen::Matrix<double, kColumns, kColumns> products;
+  products.setZero();
+  Row row = Row::Zero();
+  for (const Band::Pixel& pixel : task.band.pixels) {
     const double z = (pixel.across_px - x[0] - x[1] * pixel.along_px) / s;
     const auto [cumulative, density] = law.at(z);
-    const double residual = pixel.grey - x[2] - contrast * cumulative;
+    double residual = pixel.grey - x[2] - contrast * cumulative;
     const double by_offset = -contrast * density / s;
-    Vector5d row;
-    row << by_offset, by_offset * pixel.along_px, 1 - cumulative, cumulative, by_offset * z;
-    sums.information.noalias() += row * row.transpose();
-    sums.gradient.noalias() += row * residual;
-    sums.squares += residual * residual;
+    row.template head<kOfLine>() << by_offset, by_offset * pixel.along_px, 1 - cumulative,
+        cumulative, by_offset * z;
+    for (int i = 0; i < kBeside; ++i) {
+      const EdgeBeside& edge = task.beside[i];
+      const auto own = x.template segment<kOfBeside>(kOfLine + kOfBeside * i);
+      const double along_px = pixel.along_px - middle_px;
+      const auto [offset_px, cosine] = expected_beside(edge, pixel.along_px - task.stretch.from_px);
+      const double z2 = cosine * (pixel.across_px - offset_px - own[0] - own[1] * along_px) / s;
+      const auto [cumulative2, density2] = law.at(z2);
+      const double step = offset_px > 0 ? cumulative2 : cumulative2 - 1;
+      residual -= own[2] * step;
+      const double by_offset2 = -own[2] * density2 * cosine / s;
+      row[4] += -own[2] * density2 * z2 / s;
+      row.template segment<kOfBeside>(kOfLine + kOfBeside * i) << by_offset2, by_offset2 * along_px,
+          step;
+    }
+    row[kParameters<kBeside>] = residual;
+    products.noalias() += row * row.transpose();
+  }
+  Normal<kBeside> sums;
+  sums.information = products.template topLeftCorner<kParameters<kBeside>, kParameters<kBeside>>();
+  sums.gradient = products.col(kParameters<kBeside>).template head<kParameters<kBeside>>();
+  sums.squares = products(kParameters<kBeside>, kParameters<kBeside>);
+  for (int i = 0; i < kBeside; ++i) {
+    const int first = kOfLine + kOfBeside * i;
+    const double sd_px = task.beside[i].sd_px;
+    add_known<kBeside>(sd_px, task.noise_sd_grey, first, x, sums);
+    add_known<kBeside>(sd_px / half_px, task.noise_sd_grey, first + 1, x, sums);
+    add_known<kBeside>(kContrastSdGrey, task.noise_sd_grey, first + 2, x, sums);
   }
   return sums;
 }
 
-Vector5d start_of(const Band& band) {
+template <int kBeside>
+Vector<kBeside> start_of(const Band& band) {
   double low = 0, high = 0, low_count = 0, high_count = 0;
   for (const Band::Pixel& pixel : band.pixels) {
     (pixel.across_px < 0 ? low : high) += pixel.grey;
     (pixel.across_px < 0 ? low_count : high_count) += 1;
   }
-  Vector5d start;
-  start << 0, 0, low / std::max(low_count, 1.0), high / std::max(high_count, 1.0), 0.8;
+  Vector<kBeside> start = Vector<kBeside>::Zero();
+  start.template head<kOfLine>() << 0, 0, low / std::max(low_count, 1.0),
+      high / std::max(high_count, 1.0), 0.8;
   return start;
 }
 
-}  // namespace
-
-std::optional<ImageLine> fit_blurred_edge(const cv::Mat& image, const ImageLine& line,
-                                          const Stretch& stretch, double noise_sd_grey) {
-  constexpr size_t kFewestPixels = 20;
-  constexpr double kConvergedPx = 1e-2;  // by the last step: the next would be its square
-  const Band band = band_of(image, line, stretch);
-  if (band.pixels.size() < kFewestPixels) return std::nullopt;
-  Vector5d x = start_of(band);
-  Normal sums = normal_equations(band, x);
+// The line of a band's pixels; see fit_blurred_edge.
+template <int kBeside>
+std::optional<ImageLine> fitted(const Task& task, const ImageLine& line) {
+  constexpr double kConvergedPx = 1e-2;       // by the last step: the next would be its square
+  constexpr double kConvergedSquares = 1e-2;  // of the sum, by the last step: 0.5 % of sigma
+  const Stretch& stretch = task.stretch;
+  Vector<kBeside> x = start_of<kBeside>(task.band);
+  Normal<kBeside> sums = normal_equations<kBeside>(task, x);
   double damping = 1e-3;
   for (int i = 0; i < kMaxIterations; ++i) {
-    Matrix5d damped = sums.information;
+    Matrix<kBeside> damped = sums.information;
     damped.diagonal() *= 1 + damping;
     damped.diagonal().array() += 1e-9;
-    const Vector5d step = damped.ldlt().solve(sums.gradient);
-    Vector5d next = x + step;
+    const Vector<kBeside> step = damped.ldlt().solve(sums.gradient);
+    Vector<kBeside> next = x + step;
     next[4] = std::clamp(next[4], kMinBlurPx, kMaxBlurPx);
-    const Normal there = normal_equations(band, next);
+    const double moves_px =
+        std::abs(step[0]) + std::abs(step[1]) * (stretch.to_px - stretch.from_px);
+    if (moves_px < kConvergedPx && step.dot(sums.gradient) < kConvergedSquares * sums.squares) {
+      x = next;
+      break;
+    }
+    const Normal<kBeside> there = normal_equations<kBeside>(task, next);
     if (!(there.squares < sums.squares)) {
       damping *= 10;
       if (damping > 1e3) break;
@@ -121,16 +207,15 @@ std::optional<ImageLine> fit_blurred_edge(const cv::Mat& image, const ImageLine&
     x = next;
     sums = there;
     damping = std::max(damping / 10, 1e-6);
-    if (std::abs(step[0]) + std::abs(step[1]) * (stretch.to_px - stretch.from_px) < kConvergedPx) {
-      break;
-    }
+    if (moves_px < kConvergedPx) break;
   }
-  const double degrees = static_cast<double>(band.pixels.size() - kParameters);
-  const double sd = std::max(noise_sd_grey, std::sqrt(sums.squares / degrees));
+  const double degrees = static_cast<double>(task.band.pixels.size() - kOfLine);
+  const double sd = std::max(task.noise_sd_grey, std::sqrt(sums.squares / degrees));
   const double middle_px = (stretch.from_px + stretch.to_px) / 2;
   const double half_px = (stretch.to_px - stretch.from_px) / 2;
   const double moved_px = std::abs(x[0] + x[1] * middle_px) + std::abs(x[1]) * half_px;
-  const Matrix5d covariance = sd * sd * sums.information.ldlt().solve(Matrix5d::Identity());
+  const Matrix<kBeside> covariance =
+      sd * sd * sums.information.ldlt().solve(Matrix<kBeside>::Identity());
   if (!(moved_px <= kMaxMovePx) || !covariance.allFinite() || !(covariance(0, 0) > 0)) {
     return std::nullopt;
   }
@@ -144,9 +229,29 @@ std::optional<ImageLine> fit_blurred_edge(const cv::Mat& image, const ImageLine&
   refined.contrast_grey = std::abs(x[3] - x[2]);
   Eigen::Matrix2d to_middle;
   to_middle << 1, middle_px, 0, 1;
-  refined.covariance = to_middle * covariance.topLeftCorner<2, 2>() * to_middle.transpose();
+  refined.covariance =
+      to_middle * covariance.template topLeftCorner<2, 2>() * to_middle.transpose();
   refined.rms_px = std::sqrt(refined.covariance(0, 0));
   return refined;
+}
+
+}  // namespace
+
+std::optional<ImageLine> fit_blurred_edge(const cv::Mat& image, const ImageLine& line,
+                                          const Stretch& stretch, double noise_sd_grey,
+                                          std::span<const EdgeBeside> beside) {
+  constexpr size_t kFewestPixels = 20;
+  const Band band = band_of(image, line, stretch);
+  if (band.pixels.size() < kFewestPixels) return std::nullopt;
+  const Task task{band, stretch, beside, noise_sd_grey};
+  switch (beside.size()) {
+    case 0:
+      return fitted<0>(task, line);
+    case 1:
+      return fitted<1>(task, line);
+    default:
+      return fitted<2>(task, line);
+  }
 }
 
 }  // namespace sightline

@@ -18,7 +18,7 @@ constexpr std::array kCatalogue = {
                      "Canny, Hough, least-squares lines, their intersection (the ORPE paper's)",
                      true, extract_hough_intersection},
     FeatureExtractor{"hough_subpixel",
-                     "the same lines, each refitted to the grey levels of a blurred edge", true,
+                     "the Hough lines of every edge to be seen, refitted to the grey levels", true,
                      extract_hough_subpixel},
     FeatureExtractor{"lsd_intersection", "line segments by LSD, joined, their intersection", true,
                      extract_lsd_intersection},

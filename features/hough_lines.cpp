@@ -20,11 +20,6 @@ constexpr double kHoughDistancePx = 1.5;      // of an edge pixel from the Hough
 constexpr double kRefitDistancePx = 1.0;      // of an edge pixel from the fitted line
 constexpr double kEdgeQuantisationPx = 0.29;  // 1/sqrt(12): Canny gives whole pixels
 
-struct HoughLine {
-  double distance_px;  // of the origin, along the normal
-  Eigen::Vector2d normal;
-};
-
 cv::Mat canny_edges(const cv::Mat& image, const cv::Rect& window, const LineOptions& options) {
   // Smooth with a border of the image around the window, so that its rim makes no edges.
   constexpr int kBorderPx = 6;
@@ -48,11 +43,12 @@ std::vector<Eigen::Vector2d> pixels_of(const cv::Mat& edges, const cv::Rect& win
 }
 
 // Lines with enough votes, most votes first, in image coordinates.
-std::vector<HoughLine> hough_lines(const cv::Mat& edges, const cv::Rect& window, int min_votes) {
+std::vector<HoughTransform::Line> hough_lines(const cv::Mat& edges, const cv::Rect& window,
+                                              int min_votes) {
   std::vector<cv::Vec2f> found;
   cv::HoughLines(edges, found, /*rho=*/1, /*theta=*/kDegree, min_votes);
   const Eigen::Vector2d origin(window.x, window.y);
-  std::vector<HoughLine> lines;
+  std::vector<HoughTransform::Line> lines;
   for (const cv::Vec2f& line : found) {
     const Eigen::Vector2d normal(std::cos(line[1]), std::sin(line[1]));
     lines.push_back({line[0] + normal.dot(origin), normal});
@@ -61,7 +57,7 @@ std::vector<HoughLine> hough_lines(const cv::Mat& edges, const cv::Rect& window,
 }
 
 // The edge pixels that agree with a Hough line, then with the line fitted to them.
-std::optional<ImageLine> fitted(const HoughLine& line,
+std::optional<ImageLine> fitted(const HoughTransform::Line& line,
                                 const std::vector<Eigen::Vector2d>& edge_pixels,
                                 const LineOptions& options) {
   const Eigen::Vector2d on_line = line.distance_px * line.normal;
@@ -74,25 +70,46 @@ std::optional<ImageLine> fitted(const HoughLine& line,
   return fit_line(std::move(agreeing), kEdgeQuantisationPx);
 }
 
+bool is_candidate(const HoughTransform::Line& line, const Eigen::Vector2d& direction,
+                  const ExtractionInput& input, const LineOptions& options) {
+  const double max_sine = std::sin(options.direction_tolerance_deg * kDegree);
+  if (std::abs(line.normal.dot(direction)) > max_sine) return false;
+  if (!input.options.is_gated) return true;
+  const double off_px = std::abs(line.normal.dot(input.prediction.pixel) - line.distance_px);
+  return off_px <= search_half_px(input, line.normal);
+}
+
+// True where two lines share most of the edge pixels of the one that has fewer.
+bool is_same(const ImageLine& a, const ImageLine& b) {
+  const bool is_a_shorter = a.edge_pixels.size() < b.edge_pixels.size();
+  const ImageLine& longer = is_a_shorter ? b : a;
+  const ImageLine& shorter = is_a_shorter ? a : b;
+  const Eigen::Vector2d normal(-longer.direction.y(), longer.direction.x());
+  const auto shared = pixels_near(shorter.edge_pixels, longer.point, normal, kRefitDistancePx);
+  return 10 * shared.size() > 8 * shorter.edge_pixels.size();
+}
+
 }  // namespace
 
-std::vector<ImageLine> strongest_lines(const ExtractionInput& input, const cv::Rect& window,
-                                       const LineOptions& options) {
-  const cv::Mat edges = canny_edges(input.image, window, options);
-  const auto edge_pixels = pixels_of(edges, window);
-  const auto lines = hough_lines(edges, window, options.min_votes);
-  const double max_sine = std::sin(options.direction_tolerance_deg * kDegree);
+HoughTransform hough_transform(const cv::Mat& image, const cv::Rect& window,
+                               const LineOptions& options) {
+  const cv::Mat edges = canny_edges(image, window, options);
+  return {pixels_of(edges, window), hough_lines(edges, window, options.min_votes)};
+}
+
+std::vector<ImageLine> lines_along(const Eigen::Vector2d& direction, const HoughTransform& hough,
+                                   const ExtractionInput& input, const LineOptions& options,
+                                   size_t most) {
   std::vector<ImageLine> found;
-  for (const Eigen::Vector2d& direction : input.prediction.edge_direction) {
-    const auto strongest = std::find_if(lines.begin(), lines.end(), [&](const HoughLine& line) {
-      if (std::abs(line.normal.dot(direction)) > max_sine) return false;
-      if (!input.options.is_gated) return true;
-      const double off_px = std::abs(line.normal.dot(input.prediction.pixel) - line.distance_px);
-      return off_px <= search_half_px(input, line.normal);
-    });
-    if (strongest == lines.end()) continue;
-    auto line = fitted(*strongest, edge_pixels, options);
-    if (line) found.push_back(std::move(*line));
+  for (const HoughTransform::Line& line : hough.lines) {
+    if (!is_candidate(line, direction, input, options)) continue;
+    auto fit = fitted(line, hough.edge_pixels, options);
+    if (!fit && found.empty()) return found;
+    const bool is_new =
+        fit && std::none_of(found.begin(), found.end(),
+                            [&](const ImageLine& other) { return is_same(*fit, other); });
+    if (is_new) found.push_back(std::move(*fit));
+    if (found.size() >= most) return found;
   }
   return found;
 }

@@ -8,11 +8,24 @@
 
 namespace sightline {
 
-/// For each of the prediction's two edges the strongest line of the Hough transform (of Canny's
-/// edge pixels in the window) that is nearly parallel to it, fitted by least squares to the edge
-/// pixels that agree: two lines, or fewer where there is none. Where the search is gated, lines
-/// that pass outside it do not count.
-std::vector<ImageLine> strongest_lines(const ExtractionInput& input, const cv::Rect& window,
-                                       const LineOptions& options);
+/// Canny's edge pixels in a window and the lines of their Hough transform with votes enough.
+struct HoughTransform {
+  struct Line {
+    double distance_px;  ///< of the origin, along the normal
+    Eigen::Vector2d normal;
+  };
+  std::vector<Eigen::Vector2d> edge_pixels;
+  std::vector<Line> lines;  ///< most votes first
+};
+
+HoughTransform hough_transform(const cv::Mat& image, const cv::Rect& window,
+                               const LineOptions& options);
+
+/// Of the lines nearly parallel to a direction at most so many, most votes first and each other
+/// than those before it, fitted by least squares to the edge pixels that agree. Where the search is
+/// gated, lines that pass outside it do not count.
+std::vector<ImageLine> lines_along(const Eigen::Vector2d& direction, const HoughTransform& hough,
+                                   const ExtractionInput& input, const LineOptions& options,
+                                   size_t most);
 
 }  // namespace sightline

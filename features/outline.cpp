@@ -279,6 +279,29 @@ PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& p
   return predicted;
 }
 
+std::vector<EdgeSegment> edges_beside(const PredictedView& view,
+                                      const FeaturePrediction& prediction, int edge,
+                                      double reach_px) {
+  std::vector<EdgeSegment> beside;
+  const FeatureShape* shape = shape_of(view, prediction);
+  if (shape == nullptr) return beside;
+  const std::vector<MeshEdge>& own = shape->along[edge];
+  const auto is_own = [&](const Segment& segment) {
+    return std::any_of(own.begin(), own.end(), [&](const MeshEdge& part) {
+      return (segment.begin_m == part.begin_m && segment.end_m == part.end_m) ||
+             (segment.begin_m == part.end_m && segment.end_m == part.begin_m);
+    });
+  };
+  const Eye eye(view);
+  for (const auto& segments : {silhouette(eye, *shape, prediction.pixel, reach_px),
+                               seen_creases(eye, *shape, prediction.pixel, reach_px)}) {
+    for (const Segment& segment : segments) {
+      if (!is_own(segment)) beside.push_back({segment.begin, segment.end});
+    }
+  }
+  return beside;
+}
+
 std::vector<OutlineSample> predict_outline(const PredictedView& view,
                                            const FeaturePrediction& prediction, double reach_px) {
   std::vector<OutlineSample> samples;

@@ -52,6 +52,17 @@ struct EdgeStretch {
 PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& prediction, int edge,
                            const EdgeStretch& stretch);
 
+/// A straight edge of the mesh in the image.
+struct EdgeSegment {
+  Eigen::Vector2d begin, end;
+};
+
+/// The edges within `reach_px` of a feature other than that one of its own: those of the outline
+/// and the creases inside it. What other parts of the target hide of them is not asked.
+std::vector<EdgeSegment> edges_beside(const PredictedView& view,
+                                      const FeaturePrediction& prediction, int edge,
+                                      double reach_px);
+
 /// The outline within `reach_px` of a feature, a sample a pixel, where it is to be seen.
 std::vector<OutlineSample> predict_outline(const PredictedView& view,
                                            const FeaturePrediction& prediction, double reach_px);

@@ -16,7 +16,12 @@ namespace sightline {
 
 void extract_hough_intersection(const ExtractionInput& input, Observation& observation) {
   const LineOptions& options = input.options.line;
-  observation.lines = strongest_lines(input, observation.window, options);
+  const HoughTransform hough = hough_transform(input.image, observation.window, options);
+  for (const Eigen::Vector2d& direction : input.prediction.edge_direction) {
+    for (ImageLine& line : lines_along(direction, hough, input, options, 1)) {
+      observation.lines.push_back(std::move(line));
+    }
+  }
   meet(options.min_angle_deg, observation);
 }
 

@@ -25,9 +25,10 @@
 namespace sightline {
 namespace {
 
-constexpr double kMaxSdPx = 0.8;    // in its worst direction of a feature at a small angle
-constexpr double kReachPx = 30;     // of what is fitted to the facets' grey levels
-constexpr double kFarReachPx = 80;  // of features that are not known well by that
+constexpr double kMaxSdPx = 0.8;     // in its worst direction of a feature at a small angle
+constexpr double kReachPx = 30;      // of what is fitted to the facets' grey levels
+constexpr double kGoodReachPx = 60;  // the same where the prior has been improved
+constexpr double kFarReachPx = 80;   // of features that are not known well by that
 constexpr double kFacetFloorPx = 0.012;
 constexpr size_t kFewestSamples = 4;  // of a line that is shown
 
@@ -134,7 +135,7 @@ std::optional<FacetFit> explained(const ExtractionInput& input, const cv::Rect& 
   };
   std::optional<FacetFit> loose;
   const auto known_at = [&](const Pose& start) -> std::optional<FacetFit> {
-    const auto fit = fit_at(start, kReachPx);
+    const auto fit = fit_at(start, input.options.is_gated ? kGoodReachPx : kReachPx);
     if (!fit || is_known(*fit)) return fit;
     const auto farther = fit_at(fit->cam_from_target, kFarReachPx);
     if (farther && is_known(*farther)) return farther;

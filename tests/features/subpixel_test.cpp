@@ -279,6 +279,14 @@ TEST(Outline, OfAPlateIsItsFourEdges) {
     EXPECT_GT(edge.normal.dot(edge.begin - centre), 0);
     EXPECT_FALSE(edge.is_soft);
     for (const auto& sample : edge.samples) EXPECT_NEAR(sample.offset_px, 0, 1e-9);
+    // Its sibling, which begins where it does; the two across only where they come near.
+    const auto beside = edges_beside(view, view.features[0], i, 50);
+    ASSERT_EQ(beside.size(), 1u);
+    const Eigen::Vector2d off_begin = beside[0].begin - edge.begin;
+    const Eigen::Vector2d off_end = beside[0].end - edge.begin;
+    EXPECT_LT(std::min(off_begin.norm(), off_end.norm()), 1e-9);
+    EXPECT_NEAR((beside[0].end - beside[0].begin).dot(edge.direction), 0, 1e-6);
+    EXPECT_EQ(edges_beside(view, view.features[0], i, 150).size(), 3u);
   }
 }
 
