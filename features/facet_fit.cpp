@@ -17,8 +17,9 @@ constexpr double kMinBlurPx = 0.25;
 constexpr double kTurnSdRad = 0.06;  // of the target against the given pose
 constexpr double kLeastNoiseGrey = 0.5;
 constexpr int kMaxIterations = 12;
-constexpr double kNearPx = 0.2;        // by the last step, of some of the pixels,
+constexpr double kNearPx = 0.2;        // the last step of some of the pixels,
 constexpr double kConvergedPx = 0.05;  // of all
+constexpr double kNegligible = 0.01;   // of a standard deviation, squared
 constexpr int kHopeIterations = 4;     // after so many the residuals are down to
 constexpr double kHopeNoises = 4;      // so many times the noise and
 constexpr double kHopeGrey = 4;        // so many grey levels, or the fit leads nowhere
@@ -103,7 +104,7 @@ struct Beginning {
 };
 
 std::optional<Beginning> begun(const FacetPatch& patch, const Pose& cam_from_target) {
-  constexpr size_t kOneOf = 3;  // pixels
+  constexpr size_t kOneOf = 5;  // pixels
   const auto view = FacetView::of(patch, cam_from_target);
   if (!view) return std::nullopt;
   std::vector<PatchPixel> pixels = view->pixels(patch);
@@ -142,11 +143,12 @@ double rms_grey(const State& state, size_t pixels) {
   return std::sqrt(state.sums.squares / static_cast<double>(pixels - state.x.size()));
 }
 
-// Levenberg and Marquardt's, until a step is shorter than `converged_px`: the next would be its
-// square. False where it leads nowhere.
+// Levenberg and Marquardt's, until a step is shorter than `converged_px`, the next being its
+// square, or changes nothing. False where it leads nowhere.
 bool minimise(const FacetPatch& patch, const std::vector<PatchPixel>& pixels, double converged_px,
               State& state) {
   constexpr double kMostDamping = 1e2;
+  const double noise_grey = std::max(patch.noise_sd_grey, kLeastNoiseGrey);
   double damping = 1e-3;
   for (int i = 0; i < kMaxIterations && damping <= kMostDamping; ++i) {
     if (i == kHopeIterations &&
@@ -158,7 +160,9 @@ bool minimise(const FacetPatch& patch, const std::vector<PatchPixel>& pixels, do
     damped.diagonal().array() += 1e-9;
     const FacetVector step = damped.ldlt().solve(state.sums.gradient);
     const double moved_px = step.head<2>().norm() + step.segment<3>(kTurn).norm() * patch.reach_px;
-    if (moved_px < converged_px / 4) break;
+    // In standard deviations of what is changed, squared.
+    const double squares = step.dot(state.sums.gradient) / (noise_grey * noise_grey);
+    if (moved_px < converged_px / 4 || squares < kNegligible) break;
     auto next = stepped(patch, pixels, state, step);
     if (!next || !(next->sums.squares < state.sums.squares)) {
       damping *= 10;

@@ -136,9 +136,8 @@ void mark_band(const BorderStretch& stretch, const cv::Rect& box, cv::Mat& marks
     };
     cut(stretch.normal, -kBandPx, kBandPx);
     cut(stretch.direction, -kBandPx, stretch.length_px + kBandPx);
-    for (int u = static_cast<int>(std::ceil(lo)); u <= hi; ++u) {
-      marks.at<uint8_t>(v - box.y, u - box.x) = 1;
-    }
+    uint8_t* const row = marks.ptr<uint8_t>(v - box.y);
+    for (int u = static_cast<int>(std::ceil(lo)); u <= hi; ++u) row[u - box.x] = 1;
   }
 }
 
@@ -187,8 +186,15 @@ std::optional<FacetView> FacetView::of(const FacetPatch& patch, const Pose& cam_
     view.stretches_[i].left = grey_of[sides[i][0]];
     view.stretches_[i].right = grey_of[sides[i][1]];
   }
-  std::erase_if(view.stretches_,
-                [](const BorderStretch& stretch) { return stretch.left == stretch.right; });
+  std::erase_if(view.stretches_, [&](const BorderStretch& stretch) {
+    if (stretch.left == stretch.right) return true;
+    if (stretch.is_near) return false;
+    // No ray to the right of a pixel meets it.
+    const Eigen::Vector2d end = stretch.begin + stretch.length_px * stretch.direction;
+    return std::max(stretch.begin.y(), end.y()) < around.min().y() ||
+           std::min(stretch.begin.y(), end.y()) > around.max().y() ||
+           std::max(stretch.begin.x(), end.x()) < around.min().x();
+  });
   return view;
 }
 
@@ -231,15 +237,17 @@ std::vector<PatchPixel> FacetView::pixels(const FacetPatch& patch) const {
   FacetRow row;
   std::vector<PatchPixel> pixels;
   for (int v = box.y; v < box.br().y; ++v) {
+    const uint8_t* const marked = marks.ptr<uint8_t>(v - box.y);
+    const uint8_t* const greys = patch.image.ptr<uint8_t>(v);
     for (int u = box.x; u < box.br().x; ++u) {
-      const bool is_in_reach = (Eigen::Vector2d(u, v) - pixel_).norm() <= patch.reach_px;
-      if (marks.at<uint8_t>(v - box.y, u - box.x) == 0 || !is_in_reach) continue;
+      if (marked[u - box.x] == 0) continue;
+      const Eigen::Vector2d p(u, v);
+      if ((p - pixel_).squaredNorm() > patch.reach_px * patch.reach_px) continue;
       if (!patch.facets.is_convex) {
         fill_row(u, v, wide, row);
         if (row[kGreys] < -kOverlap) continue;
       }
-      pixels.push_back({static_cast<double>(u), static_cast<double>(v),
-                        static_cast<double>(patch.image.at<uint8_t>(v, u))});
+      pixels.push_back({p.x(), p.y(), static_cast<double>(greys[u])});
     }
   }
   return pixels;
