@@ -10,7 +10,8 @@ namespace sightline {
 /// Where in a pixel the scene is sampled: offsets from its centre in px, the same in every pixel,
 /// ordered from the centre outwards. The samples of all pixels form one lattice (rank 1). No two of
 /// a pixel share a column or a row, so an edge along an axis is known to 1 / (count sqrt(12)) px,
-/// where a square grid knows it to 1 / sqrt(12 count) px.
+/// where a square grid knows it to 1 / sqrt(12 count) px. Along the lattice's closest
+/// samples it is known no better than on such a grid.
 struct SamplePattern {
   int count = 1;
   std::vector<float> x, y;

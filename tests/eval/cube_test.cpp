@@ -24,16 +24,25 @@ Localisation localisation_of(std::vector<std::string> settings) {
   return statistics.summary();
 }
 
-// 1000 trials have 97.6 % found, 0.2 % of them outliers, 0.091 px and 1.17 sigmas. 100 must not be
+// 1000 trials have 99.4 % found, 0.03 % of them outliers, 0.060 px and 1.11 sigmas. 100 must not be
 // worse than these bounds by more than chance: their 95 % intervals reach as far.
 TEST(Cube, TwoPassesOfModelEdgesFindItsVerticesToATenthOfAPixel) {
   const Localisation cube =
       localisation_of({"extraction.line_intersection='model_edges'", "extraction.passes=2"});
-  EXPECT_GE(cube.found_rate.ci95[1], 0.975);
-  EXPECT_LE(cube.outlier_rate.ci95[0], 0.005);
-  EXPECT_LE(cube.rms_px.ci95[0], 0.10);
+  EXPECT_GE(cube.found_rate.ci95[1], 0.99);
+  EXPECT_GE(cube.found_rate.value, 0.98);
+  EXPECT_LE(cube.outlier_rate.ci95[0], 0.002);
+  EXPECT_LE(cube.rms_px.ci95[0], 0.08);
   EXPECT_LE(cube.rms_sigmas.ci95[0], 1.25);
   EXPECT_GE(cube.rms_sigmas.ci95[1], 0.8);
+}
+
+// 1000 trials have 98.5 % found, 0.6 % of them outliers, and 0.106 px.
+TEST(Cube, OnePassOfModelEdgesMissesFewOfThem) {
+  const Localisation cube = localisation_of({"extraction.line_intersection='model_edges'"});
+  EXPECT_GE(cube.found_rate.ci95[1], 0.98);
+  EXPECT_LE(cube.outlier_rate.ci95[0], 0.01);
+  EXPECT_LE(cube.rms_px.ci95[0], 0.12);
 }
 
 // 1000 trials have 99.2 % found, 0.1 % of them outliers, 0.083 px and 1.12 sigmas.
