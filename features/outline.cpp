@@ -21,7 +21,9 @@ constexpr double kParallelCosine = 0.8;     // of an outline's normal with that 
 constexpr double kLookStepPx = 6;           // between samples whose visibility is looked up
 constexpr double kClearancePx = 1;          // of an outline from the surface that makes it
 constexpr double kBevelPx = 4;              // the widest that blurs into its edge
-constexpr double kBeyondPx = 3;             // where it is asked what lies beyond the outline
+// Where it is asked what lies beyond the outline: at the nearer a part may end before the farther.
+constexpr double kBeyondPx = 3;
+constexpr double kJustBeyondPx = 1.2;
 
 // A stretch of the outline, with the target on the left of its direction as seen.
 struct Segment {
@@ -271,8 +273,9 @@ PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& p
       look_px = along_px + kLookStepPx;
       if (!is_outline) point_m = point_on(own, eye, predicted.begin, predicted.direction, along_px);
       looked.is_seen = eye.sees(point_m);
-      looked.borders_target =
-          !is_outline || eye.sees_target_at(pixel + (offset_px + kBeyondPx) * predicted.normal);
+      looked.borders_target = !is_outline ||
+                              eye.sees_target_at(on_edge + kBeyondPx * predicted.normal) ||
+                              eye.sees_target_at(on_edge + kJustBeyondPx * predicted.normal);
     }
     if (looked.is_seen) predicted.samples.push_back({along_px, offset_px, looked.borders_target});
   }

@@ -290,6 +290,37 @@ TEST(Outline, OfAPlateIsItsFourEdges) {
   }
 }
 
+// A part behind the plate that juts out by 2 px, past which there is background again.
+TEST(Outline, BordersTheTargetWhereALittleOfItJutsOut) {
+  for (const bool is_behind : {false, true}) {
+    Target target = plate_target();
+    if (is_behind) {
+      const int first = static_cast<int>(target.mesh.vertices.size());
+      for (const auto& [x, y] : {std::pair{-4.0, -4.0}, {5.2, -4.0}, {5.2, 4.0}, {-4.0, 4.0}}) {
+        target.mesh.vertices.emplace_back(x, y, 0.1);
+      }
+      target.mesh.parts.push_back({"behind", 0.8});
+      for (Triangle triangle : {target.mesh.triangles[0], target.mesh.triangles[1]}) {
+        for (int& vertex : triangle.vertex) vertex += first;
+        triangle.part = 1;
+        target.mesh.triangles.push_back(triangle);
+      }
+      target.occluder = Occluder(target.mesh);
+      target.shapes = feature_shapes(target.mesh, target.features);
+    }
+    // From the corner (5, -5) along x = 5 and along y = -5.
+    const PredictedView view =
+        predict_features(target, std::array{1}, plate_camera(), PosePrior{plate_pose(0)});
+    for (int i = 0; i < 2; ++i) {
+      const PredictedEdge edge =
+          predict_edge(view, view.features[0], i, {.gap_px = 12, .reach_px = 36});
+      ASSERT_EQ(edge.samples.size(), 25u);
+      const bool juts_out = is_behind && std::abs(edge.direction.y()) > 0.5;
+      for (const auto& sample : edge.samples) EXPECT_EQ(sample.borders_target, juts_out) << i;
+    }
+  }
+}
+
 TEST(Prediction, CovarianceIsThatOfDrawnPriors) {
   const Pose pose = {rotation_from_vector({0.4, -0.3, 0.2}), {1, -2, 100}};
   const Camera camera = plate_camera();
