@@ -22,9 +22,11 @@ constexpr std::array kCatalogue = {
                      extract_hough_subpixel},
     FeatureExtractor{"lsd_intersection", "line segments by LSD, joined, their intersection", true,
                      extract_lsd_intersection},
-    FeatureExtractor{"model_edges",
-                     "the edges that the mesh should show, searched along their normals", true,
-                     extract_model_edges},
+    FeatureExtractor{
+        "model_edges",
+        "the edges that the mesh should show, searched along their normals; flat facets "
+        "as a whole",
+        true, extract_model_edges},
     FeatureExtractor{"contour", "the outline that the mesh should show, shifted onto the image's",
                      false, extract_contour},
     FeatureExtractor{"edges_else_contour",
