@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/builders/cube.h"
+#include "scenes/target.h"
 #include "tests/features/plate.h"
 #include "tests/scenes/prism.h"
 
@@ -332,6 +333,37 @@ TEST(FacetFit, DoesNotExplainWhatIsNotFacets) {
   for (int v = 0; v < image.rows; v += 4) image.row(v) /= 2;
   const auto striped = fit_facets({image, facets, cam, point_m}, pose);
   EXPECT_TRUE(!striped || striped->rms_grey > 10);
+}
+
+// A smudge that is no part of the target: the lines find the vertex, the facets do not.
+TEST(ModelEdges, WhatFacetsDoNotExplainIsLeftToTheLines) {
+  const auto target = load_target("cube");
+  const Pose pose = pose_at(35, 25);
+  const Eigen::Vector3d point_m = nearest_vertex_m(pose);
+  const Eigen::Vector2d vertex = *project(camera(), pose * point_m);
+  const auto feature = std::find_if(
+      target->features.begin(), target->features.end(),
+      [&](const TargetFeature& one) { return (one.position_m - point_m).norm() < 1e-6; });
+  ASSERT_NE(feature, target->features.end());
+  const int index = static_cast<int>(feature - target->features.begin());
+  const PosePrior prior = prior_of(pose, camera(), {});
+  const FeatureExtractor* const extractor = find_feature_extractor("model_edges");
+  const auto error_px = [&](const cv::Mat& image) {
+    const PredictedView view = predict_features(*target, std::array{index}, camera(), prior);
+    const auto seen = extract_features(image, 255, view, {extractor, extractor, extractor}, {});
+    EXPECT_EQ(seen[0].status, ObservationStatus::kFound);
+    return (seen[0].pixel - vertex).norm();
+  };
+  cv::Mat image = image_of(pose, 3, 0);
+  EXPECT_LT(error_px(image), 0.1);
+  cv::circle(image, {static_cast<int>(vertex.x()) + 4, static_cast<int>(vertex.y()) + 3}, 6,
+             cv::Scalar(120), cv::FILLED);
+  const Facets& facets = cube();
+  const Camera cam = camera();
+  const auto fit = fit_facets({image, facets, cam, point_m}, pose);
+  ASSERT_TRUE(fit);
+  EXPECT_GT((fit->pixel - vertex).norm(), 1);
+  EXPECT_LT(error_px(image), 0.3);
 }
 
 TEST(FacetFit, NeedsFacetsInFrontOfTheCamera) {
