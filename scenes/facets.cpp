@@ -3,8 +3,8 @@
 #include "scenes/facets.h"
 
 #include <algorithm>
-#include <numeric>
-#include <utility>
+
+#include "scenes/disjoint_sets.h"
 
 namespace sightline {
 namespace {
@@ -13,21 +13,6 @@ constexpr size_t kMostTriangles = 20000;  // hardly that many in a hundred facet
 constexpr size_t kMostFacets = 100;
 constexpr double kFlatCosine = 1 - 1e-9;
 constexpr double kEvenCosine = 1 - 1e-6;
-
-// Which triangles belong together.
-class Groups {
- public:
-  explicit Groups(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-  int of(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(int i, int k) { parent_[of(i)] = of(k); }
-
- private:
-  std::vector<int> parent_;
-};
 
 bool is_even(const Triangle& triangle, const Eigen::Vector3d& normal) {
   return std::all_of(triangle.normal.begin(), triangle.normal.end(),
@@ -70,7 +55,7 @@ Facets facets_of(const Mesh& mesh) {
   std::vector<Eigen::Vector3d> normals;
   for (const Triangle& triangle : mesh.triangles) normals.push_back(face_normal(mesh, triangle));
 
-  Groups groups(mesh.triangles.size());
+  DisjointSets groups(mesh.triangles.size());
   for (size_t i = 0; i < halves.size(); i += 2) {
     const int a = halves[i].triangle;
     const int b = halves[i + 1].triangle;
@@ -80,7 +65,7 @@ Facets facets_of(const Mesh& mesh) {
   Facets out;
   std::vector<int> facet_of(mesh.triangles.size(), -1);  // of a group's representative
   for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    int& facet = facet_of[groups.of(static_cast<int>(t))];
+    int& facet = facet_of[groups.root(static_cast<int>(t))];
     if (facet < 0) {
       if (out.facets.size() == kMostFacets) return {};
       facet = static_cast<int>(out.facets.size());
@@ -92,8 +77,8 @@ Facets facets_of(const Mesh& mesh) {
   for (size_t i = 0; i < halves.size(); i += 2) {
     const HalfEdge& forward = halves[i].is_forward ? halves[i] : halves[i + 1];
     const HalfEdge& backward = halves[i].is_forward ? halves[i + 1] : halves[i];
-    const int left = facet_of[groups.of(forward.triangle)];
-    const int right = facet_of[groups.of(backward.triangle)];
+    const int left = facet_of[groups.root(forward.triangle)];
+    const int right = facet_of[groups.root(backward.triangle)];
     if (left == right) continue;
     out.edges.push_back({mesh.vertices[forward.low], mesh.vertices[forward.high], {left, right}});
   }

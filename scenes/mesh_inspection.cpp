@@ -6,9 +6,10 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
 #include <Eigen/Geometry>
+
+#include "scenes/disjoint_sets.h"
 
 namespace sightline {
 namespace {
@@ -32,20 +33,6 @@ EdgeMap edges_of(const Mesh& mesh) {
   }
   return edges;
 }
-
-// Disjoint sets with path halving.
-class Components {
- public:
-  explicit Components(size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
-  int root(int i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(int a, int b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<int> parent_;
-};
 
 struct ComponentSummary {
   bool is_closed = true;
@@ -74,7 +61,7 @@ void count_edges(const Mesh& mesh, const EdgeMap& edges, MeshInspection& out) {
 }
 
 void count_components(const Mesh& mesh, const EdgeMap& edges, MeshInspection& out) {
-  Components components(mesh.triangles.size());
+  DisjointSets components(mesh.triangles.size());
   for (const auto& [ends, uses] : edges) {
     for (const EdgeUse& use : uses) components.join(use.triangle, uses.front().triangle);
   }

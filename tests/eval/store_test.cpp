@@ -13,8 +13,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "scenes/input_error.h"
 #include "scenes/random.h"
+#include "tests/scenes/error_text.h"
 
 namespace sightline {
 namespace {
@@ -40,17 +40,6 @@ class StoreTest : public ::testing::Test {
  private:
   std::filesystem::path folder_;
 };
-
-// What `action` complains about; a test that expects a complaint fails on an empty one.
-template <typename Action>
-std::string complaint(const Action& action) {
-  try {
-    action();
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
 
 void expect_complaint(const std::string& text, const std::filesystem::path& file,
                       const char* reason) {
@@ -318,7 +307,7 @@ TEST_F(StoreTest, RefusesATrialThatItHoldsAndAddsNoneOfItsBatch) {
   Store store = Store::create(file(), {});
   store.add(std::vector{drawn_trial(7)});
   const std::vector<TrialRecord> batch{drawn_trial(6), drawn_trial(7)};
-  expect_complaint(complaint([&] { store.add(batch); }), file(), "holds trial 7 already");
+  expect_complaint(error_of([&] { store.add(batch); }), file(), "holds trial 7 already");
   expect_same(store.trials(), {drawn_trial(7)});
 }
 
@@ -336,8 +325,8 @@ TEST_F(StoreTest, TakesOverNoneOfAStoreThatHoldsATrialTwice) {
   Store::create(file("other"), {}).add(std::vector{drawn_trial(6), drawn_trial(7)});
   Store store = Store::create(file(), {});
   store.add(std::vector{drawn_trial(7)});
-  expect_complaint(complaint([&] { store.add_all_of(file("other")); }), file(), "UNIQUE");
-  expect_complaint(complaint([&] { store.add_all_of(file("nowhere")); }), file("nowhere"),
+  expect_complaint(error_of([&] { store.add_all_of(file("other")); }), file(), "UNIQUE");
+  expect_complaint(error_of([&] { store.add_all_of(file("nowhere")); }), file("nowhere"),
                    "no such file");
   expect_same(store.trials(), {drawn_trial(7)});
   store.add(std::vector{drawn_trial(6)});  // it is as good as before
@@ -346,7 +335,7 @@ TEST_F(StoreTest, TakesOverNoneOfAStoreThatHoldsATrialTwice) {
 
 TEST_F(StoreTest, IsNotMadeOverAFile) {
   std::ofstream(file()) << "precious";
-  expect_complaint(complaint([&] { Store::create(file(), {}); }), file(), "exists already");
+  expect_complaint(error_of([&] { Store::create(file(), {}); }), file(), "exists already");
   std::string content;
   std::getline(std::ifstream(file()), content);
   EXPECT_EQ(content, "precious");
@@ -354,48 +343,48 @@ TEST_F(StoreTest, IsNotMadeOverAFile) {
 
 TEST_F(StoreTest, IsNotMadeInAFolderThatIsNotThere) {
   const auto nowhere = file("nowhere") / "results.sqlite";
-  expect_complaint(complaint([&] { Store::create(nowhere, {}); }), nowhere, "cannot be created");
+  expect_complaint(error_of([&] { Store::create(nowhere, {}); }), nowhere, "cannot be created");
 }
 
 TEST_F(StoreTest, IsNotMadeUnderAFile) {
   std::ofstream(file("plain")) << "a file";
   const auto under = file("plain") / "results.sqlite";
-  expect_complaint(complaint([&] { Store::create(under, {}); }), under, "cannot be created");
+  expect_complaint(error_of([&] { Store::create(under, {}); }), under, "cannot be created");
 }
 
 TEST_F(StoreTest, IsNotMadeInAWriteProtectedFolder) {
   if (geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
   std::filesystem::permissions(file().parent_path(), std::filesystem::perms::owner_read |
                                                          std::filesystem::perms::owner_exec);
-  expect_complaint(complaint([&] { Store::create(file(), {}); }), file(), "cannot be created");
+  expect_complaint(error_of([&] { Store::create(file(), {}); }), file(), "cannot be created");
   std::filesystem::permissions(file().parent_path(), std::filesystem::perms::owner_all);
 }
 
 TEST_F(StoreTest, IsNotOpenedWhereThereIsNone) {
-  expect_complaint(complaint([&] { Store::open(file()); }), file(), "no such file");
+  expect_complaint(error_of([&] { Store::open(file()); }), file(), "no such file");
   EXPECT_FALSE(std::filesystem::exists(file()));
   const auto folder = file().parent_path();
-  expect_complaint(complaint([&] { Store::open(folder); }), folder, "not a file");
+  expect_complaint(error_of([&] { Store::open(folder); }), folder, "not a file");
 }
 
 TEST_F(StoreTest, IsNotOpenedFromGarbage) {
   std::ofstream(file()) << std::string(5000, 'x');
-  expect_complaint(complaint([&] { Store::open(file()); }), file(), "not an SQLite file");
+  expect_complaint(error_of([&] { Store::open(file()); }), file(), "not an SQLite file");
 }
 
 TEST_F(StoreTest, IsNotOpenedFromAnEmptyFileOrSomeoneElsesDatabase) {
   std::ofstream(file()).flush();
-  expect_complaint(complaint([&] { Store::open(file()); }), file(), "not one of sightline's");
+  expect_complaint(error_of([&] { Store::open(file()); }), file(), "not one of sightline's");
   SQLite::Database(file("other").string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE)
       .exec("CREATE TABLE meta (key, value); PRAGMA user_version = 1");
-  expect_complaint(complaint([&] { Store::open(file("other")); }), file("other"),
+  expect_complaint(error_of([&] { Store::open(file("other")); }), file("other"),
                    "not one of sightline's");
 }
 
 TEST_F(StoreTest, IsNotOpenedFromAnotherVersion) {
   Store::create(file(), {});
   SQLite::Database(file().string(), SQLite::OPEN_READWRITE).exec("PRAGMA user_version = 1");
-  expect_complaint(complaint([&] { Store::open(file()); }), file(),
+  expect_complaint(error_of([&] { Store::open(file()); }), file(),
                    "results of version 1; this program reads version 4");
 }
 
@@ -404,7 +393,7 @@ TEST_F(StoreTest, SaysSoWhenTheFileIsCutShort) {
   for (int i = 0; i < 100; ++i) trials.push_back(drawn_trial(i));
   Store::create(file(), {}).add(trials);
   std::filesystem::resize_file(file(), std::filesystem::file_size(file()) / 2);
-  const std::string text = complaint([&] { (void)Store::open(file()).trials(); });
+  const std::string text = error_of([&] { (void)Store::open(file()).trials(); });
   expect_complaint(text, file(), "cannot be read");
 }
 
@@ -412,7 +401,7 @@ TEST_F(StoreTest, SaysSoWhenAListIsNoList) {
   Store::create(file(), {}).add(std::vector{drawn_trial(0)});
   SQLite::Database(file().string(), SQLite::OPEN_READWRITE)
       .exec("UPDATE estimates SET removed = 'nose'");
-  const std::string text = complaint([&] { (void)Store::open(file()).trials(); });
+  const std::string text = error_of([&] { (void)Store::open(file()).trials(); });
   expect_complaint(text, file(), "cannot be read");
 }
 
