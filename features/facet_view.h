@@ -20,7 +20,7 @@
 
 #include "pose/camera.h"
 #include "pose/pose.h"
-#include "scenes/facets.h"
+#include "scenes/target/facets.h"
 
 namespace sightline {
 

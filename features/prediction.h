@@ -12,8 +12,8 @@
 #include "pose/camera.h"
 #include "pose/pose.h"
 #include "pose/solver.h"
-#include "scenes/scene.h"
-#include "scenes/target.h"
+#include "scenes/scene/scene.h"
+#include "scenes/target/target.h"
 
 namespace sightline {
 

@@ -8,7 +8,7 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "scenes/random.h"
+#include "scenes/random/random.h"
 
 namespace sightline {
 namespace {

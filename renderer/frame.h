@@ -8,7 +8,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace sightline {
 

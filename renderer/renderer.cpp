@@ -16,7 +16,7 @@
 #include "renderer/sensor.h"
 #include "renderer/shading.h"
 #include "renderer/truth.h"
-#include "scenes/input_error.h"
+#include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "renderer/frame.h"
 #include "renderer/gl_context.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace sightline {
 

@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scenes/input_error.h"
-#include "scenes/scene.h"
+#include "scenes/files/input_error.h"
+#include "scenes/scene/scene.h"
 
 namespace sightline {
 namespace {

@@ -8,7 +8,7 @@
 #include "pose/camera.h"
 #include "pose/pose.h"
 #include "renderer/visibility.h"
-#include "scenes/mesh.h"
+#include "scenes/mesh/mesh.h"
 
 namespace sightline {
 

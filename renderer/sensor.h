@@ -4,8 +4,8 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "scenes/random.h"
-#include "scenes/scene.h"
+#include "scenes/random/random.h"
+#include "scenes/scene/scene.h"
 
 namespace sightline {
 

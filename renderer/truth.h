@@ -7,7 +7,7 @@
 
 #include "renderer/frame.h"
 #include "renderer/shading.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace sightline {
 

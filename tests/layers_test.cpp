@@ -1,7 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Guards the arrows of the house by reading the #include lines.
+// Guards the arrows of the house by reading the #include lines: between the folders at the top, and
+// between the rooms (the folders) within eval/, scenes/ and pose/. To add a room, give it a line in
+// the map of its folder; to let a room see another, name that in its line. The order of the lines
+// does not matter, but no room may see itself by way of others.
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -21,6 +24,59 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"renderer", {"renderer", "scenes", "pose"}},
     {"features", {"features", "scenes", "pose"}},
     {"eval", {"eval", "features", "renderer", "scenes", "pose"}},
+};
+
+/// The rooms within a folder and which other rooms of the folder each may include.
+using Rooms = std::map<std::string, std::set<std::string>>;
+
+const Rooms kEvalRooms = {
+    {"benchmarks", {"study", "trial"}},
+    {"program",
+     {"compare", "image_sets", "output", "report", "run", "score", "study", "tables", "target",
+      "work"}},
+    {"compare", {"output", "results", "statistics", "summary"}},
+    {"score", {"datasets", "output", "report", "statistics", "summary"}},
+    {"image_sets", {"datasets", "output", "study", "work"}},
+    {"run", {"output", "report", "results", "study", "summary", "trial", "work"}},
+    {"report",
+     {"output", "records", "statistics", "study", "summary", "tables", "target", "trial"}},
+    {"tables", {"output", "study", "summary"}},
+    {"target", {"statistics"}},
+    {"summary", {"records", "statistics", "study"}},
+    {"results", {"records", "study"}},
+    {"trial", {"datasets", "records", "statistics", "study"}},
+    {"study", {"datasets", "records"}},
+    {"records", {}},
+    {"datasets", {"output"}},
+    {"output", {}},
+    {"work", {}},
+    {"statistics", {}},
+    {"jobs", {}},
+};
+
+const Rooms kScenesRooms = {
+    {"builders", {"files", "mesh", "target"}},
+    {"scene", {"files", "random", "target"}},
+    {"target", {"files", "mesh"}},
+    {"mesh", {"files"}},
+    {"random", {}},
+    {"files", {}},
+};
+
+/// The room of the files that lie in no room: those of pose/ itself.
+const std::string kTop = ".";
+
+const Rooms kPoseRooms = {
+    {"solvers", {kTop, "kernels"}},
+    {"orientation", {kTop, "kernels"}},
+    {kTop, {"kernels"}},
+    {"kernels", {}},
+};
+
+/// The lists of solvers and methods, which name what stands in the rooms above them.
+const std::map<std::string, std::string> kCatalogues = {
+    {"pose/solver.cpp", "solvers"},
+    {"pose/absolute_orientation.cpp", "orientation"},
 };
 
 // Libraries that are slow to compile or tied to a platform: only .cpp files may name them.
@@ -91,6 +147,76 @@ TEST(Layers, AForbiddenArrowWouldBeSeen) {
   EXPECT_FALSE(is_allowed("pose", {"pose/x.cpp", "scenes/mesh.h", true}));
   EXPECT_TRUE(is_allowed("pose", {"pose/x.cpp", "Eigen/Core", false}));
   EXPECT_TRUE(is_heavy({"scenes/x.h", "assimp/scene.h", false}));
+}
+
+std::string room_of(const fs::path& path_in_source) {
+  auto part = std::next(path_in_source.begin());
+  return std::next(part) == path_in_source.end() ? kTop : part->string();
+}
+
+/// What is wrong with an include within one folder; empty where it follows the arrows.
+std::string problem_with(const fs::path& file, const std::string& included, const Rooms& rooms) {
+  const std::string from = room_of(file);
+  const std::string to = room_of(included);
+  if (!rooms.contains(from)) return file.string() + " lies in no room that is listed";
+  if (from == to || rooms.at(from).contains(to)) return "";
+  const auto catalogue = kCatalogues.find(file.string());
+  if (catalogue != kCatalogues.end() && catalogue->second == to) return "";
+  return file.string() + " includes \"" + included + "\", but " + from + " may not see " + to;
+}
+
+/// Whether a room is reached from those it may see.
+bool sees_itself(const std::string& room, const Rooms& rooms) {
+  std::vector<std::string> to_visit(rooms.at(room).begin(), rooms.at(room).end());
+  std::set<std::string> visited;
+  while (!to_visit.empty()) {
+    const std::string next = to_visit.back();
+    to_visit.pop_back();
+    if (next == room) return true;
+    if (!visited.insert(next).second) continue;
+    const std::set<std::string>& seen = rooms.at(next);
+    to_visit.insert(to_visit.end(), seen.begin(), seen.end());
+  }
+  return false;
+}
+
+void expect_rooms(const std::string& folder, const Rooms& rooms) {
+  for (const Include& include : includes_below(folder)) {
+    if (first_folder(include.name) != folder) continue;
+    const fs::path file = fs::relative(include.file, SIGHTLINE_SOURCE_DIR);
+    EXPECT_EQ(problem_with(file, include.name, rooms), "");
+  }
+  for (const auto& [room, seen] : rooms) {
+    EXPECT_FALSE(sees_itself(room, rooms)) << folder << "/" << room;
+    EXPECT_TRUE(fs::is_directory(fs::path(SIGHTLINE_SOURCE_DIR) / folder / room)) << room;
+  }
+}
+
+TEST(Layers, RoomsFollowTheirArrows) {
+  expect_rooms("eval", kEvalRooms);
+  expect_rooms("scenes", kScenesRooms);
+  expect_rooms("pose", kPoseRooms);
+}
+
+TEST(Layers, AForbiddenArrowBetweenRoomsWouldBeSeen) {
+  EXPECT_NE(problem_with("eval/study/x.cpp", "eval/report/page.h", kEvalRooms), "");
+  EXPECT_NE(problem_with("eval/x.cpp", "eval/report/page.h", kEvalRooms), "");
+  EXPECT_NE(problem_with("eval/attic/x.cpp", "eval/report/page.h", kEvalRooms), "");
+  EXPECT_NE(problem_with("pose/reprojection.cpp", "pose/solvers/solvers.h", kPoseRooms), "");
+  EXPECT_EQ(problem_with("pose/solver.cpp", "pose/solvers/solvers.h", kPoseRooms), "");
+  EXPECT_EQ(problem_with("eval/run/run.cpp", "eval/report/report.h", kEvalRooms), "");
+  EXPECT_TRUE(sees_itself("a", {{"a", {"b"}}, {"b", {"c"}}, {"c", {"a"}}}));
+  EXPECT_FALSE(sees_itself("a", {{"a", {"b", "c"}}, {"b", {"c"}}, {"c", {}}}));
+}
+
+/// eval/ and scenes/ are rooms alone: a loose file belongs to none, and so to nobody.
+TEST(Layers, NoSourceFileLiesOutsideARoom) {
+  for (const std::string folder : {"eval", "scenes"}) {
+    for (const auto& entry : fs::directory_iterator(fs::path(SIGHTLINE_SOURCE_DIR) / folder)) {
+      const std::string extension = entry.path().extension();
+      EXPECT_TRUE(extension != ".h" && extension != ".cpp") << entry.path();
+    }
+  }
 }
 
 TEST(Layers, PoseNeedsNothingButEigen) {

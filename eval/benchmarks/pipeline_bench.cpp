@@ -14,12 +14,12 @@
 #include <opencv2/core.hpp>
 
 #include "eval/benchmarks/benches.h"
-#include "eval/study.h"
-#include "eval/trial.h"
+#include "eval/study/study.h"
+#include "eval/trial/image_trial.h"
 #include "features/extractor.h"
 #include "features/prediction.h"
 #include "renderer/renderer.h"
-#include "scenes/scene_law.h"
+#include "scenes/scene/scene_law.h"
 
 namespace sightline {
 namespace {

@@ -21,7 +21,7 @@
 #include "eval/benchmarks/benches.h"
 #include "renderer/renderer.h"
 #include "renderer/sample_pattern.h"
-#include "scenes/target.h"
+#include "scenes/target/target.h"
 
 namespace sightline {
 namespace {

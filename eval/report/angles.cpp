@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
+#include "eval/output/text.h"
 #include "eval/report/figures.h"
 #include "eval/report/panels.h"
-#include "eval/report/text.h"
-#include "eval/statistics.h"
+#include "eval/statistics/statistics.h"
 
 namespace sightline {
 namespace {

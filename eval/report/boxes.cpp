@@ -9,7 +9,7 @@
 
 #include "eval/report/distributions.h"
 #include "eval/report/figures.h"
-#include "eval/statistics.h"
+#include "eval/statistics/statistics.h"
 
 namespace sightline {
 namespace {

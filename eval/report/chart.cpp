@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "eval/report/text.h"
+#include "eval/output/text.h"
 
 namespace sightline {
 namespace {

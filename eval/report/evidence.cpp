@@ -10,11 +10,11 @@
 
 #include <fmt/format.h>
 
+#include "eval/output/text.h"
 #include "eval/report/frame_svg.h"
 #include "eval/report/means.h"
 #include "eval/report/outline.h"
-#include "eval/report/text.h"
-#include "scenes/random.h"
+#include "scenes/random/random.h"
 
 namespace sightline {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "eval/records.h"
+#include "eval/records/records.h"
 #include "eval/report/report.h"
-#include "eval/study.h"
+#include "eval/study/study.h"
 #include "renderer/renderer.h"
 
 namespace sightline {

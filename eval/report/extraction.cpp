@@ -10,9 +10,9 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
+#include "eval/output/text.h"
 #include "eval/report/figures.h"
-#include "eval/report/text.h"
-#include "eval/statistics.h"
+#include "eval/statistics/statistics.h"
 
 namespace sightline {
 namespace {

@@ -13,7 +13,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "eval/report/text.h"
+#include "eval/output/text.h"
 
 namespace sightline {
 namespace {

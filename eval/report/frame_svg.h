@@ -7,7 +7,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "eval/records.h"
+#include "eval/records/records.h"
 #include "eval/report/report.h"
 #include "features/observation.h"
 

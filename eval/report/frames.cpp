@@ -13,11 +13,11 @@
 #include <kainjow/mustache.hpp>
 #include <nlohmann/json.hpp>
 
+#include "eval/output/text.h"
 #include "eval/report/figures.h"
 #include "eval/report/frame_svg.h"
 #include "eval/report/means.h"
 #include "eval/report/panels.h"
-#include "eval/report/text.h"
 
 namespace sightline {
 namespace {

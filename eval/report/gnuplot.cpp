@@ -12,8 +12,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "eval/output_folder.h"
-#include "scenes/input_error.h"
+#include "eval/output/output_folder.h"
+#include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "eval/study.h"
-#include "eval/summary.h"
+#include "eval/study/study.h"
+#include "eval/summary/summary.h"
 
 namespace sightline {
 

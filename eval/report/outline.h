@@ -5,7 +5,7 @@
 #include "eval/report/report.h"
 #include "pose/pose.h"
 #include "renderer/renderer.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace sightline {
 
@@ -14,8 +14,8 @@ namespace sightline {
 /// cannot be imaged in that pose.
 Outline target_outline(Renderer& renderer, const Scene& scene, const Pose& cam_from_target);
 
-/// The same of a mesh alone, in whatever unit both have; empty where it is not wholly in front of the
-/// camera.
+/// The same of a mesh alone, in whatever unit both have; empty where it is not wholly in front of
+/// the camera.
 Outline mesh_outline(const Mesh& mesh, const Camera& camera, const Pose& cam_from_mesh);
 
 /// The camera that sees the same with `factor` pixels for each: its pixels are the parts of the

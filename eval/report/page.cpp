@@ -10,8 +10,8 @@
 #include <kainjow/mustache.hpp>
 
 #include "eval/report/chart_js.h"
-#include "scenes/assets.h"
-#include "scenes/input_error.h"
+#include "scenes/files/assets.h"
+#include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {

@@ -11,8 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "eval/report/text.h"
-#include "eval/summary.h"
+#include "eval/output/text.h"
+#include "eval/summary/summary.h"
 
 namespace sightline {
 namespace {

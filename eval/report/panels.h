@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "eval/records.h"
+#include "eval/records/records.h"
 #include "eval/report/chart.h"
-#include "eval/study.h"
+#include "eval/study/study.h"
 
 namespace sightline {
 

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
+#include "eval/output/text.h"
 #include "eval/report/figures.h"
-#include "eval/report/text.h"
 
 namespace sightline {
 namespace {

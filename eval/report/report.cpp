@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
+#include "eval/output/text.h"
 #include "eval/report/figures.h"
 #include "eval/report/means.h"
 #include "eval/report/page.h"
-#include "eval/report/text.h"
-#include "eval/table.h"
+#include "eval/tables/result_table.h"
 
 namespace sightline {
 namespace {

@@ -11,11 +11,11 @@
 
 #include <opencv2/core/types.hpp>
 
-#include "eval/records.h"
+#include "eval/records/records.h"
 #include "eval/report/chart.h"
-#include "eval/study.h"
-#include "eval/summary.h"
-#include "eval/trial.h"
+#include "eval/study/study.h"
+#include "eval/summary/summary.h"
+#include "eval/trial/image_trial.h"
 
 namespace sightline {
 

@@ -3,7 +3,7 @@
 //
 // How far the target's outline lies beside the features that were looked for, as the study saw
 // them.
-#include "eval/silhouette.h"
+#include "eval/target/silhouette.h"
 
 #include <algorithm>
 #include <limits>
@@ -12,9 +12,9 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
+#include "eval/output/text.h"
 #include "eval/report/figures.h"
-#include "eval/report/text.h"
-#include "scenes/random.h"
+#include "scenes/random/random.h"
 
 namespace sightline {
 namespace {

@@ -3,8 +3,6 @@
 //
 // Errors against what is swept, a chart a quantity; of a study without images a table of all
 // numbers too, and the answer in short: each solver's worst condition.
-#include "eval/sweep.h"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -14,10 +12,11 @@
 #include <fmt/ranges.h>
 #include <kainjow/mustache.hpp>
 
+#include "eval/output/text.h"
 #include "eval/report/figures.h"
 #include "eval/report/means.h"
 #include "eval/report/panels.h"
-#include "eval/report/text.h"
+#include "eval/tables/sweep_table.h"
 
 namespace sightline {
 namespace {

@@ -10,9 +10,9 @@
 #include <fmt/ranges.h>
 #include <kainjow/mustache.hpp>
 
+#include "eval/output/text.h"
 #include "eval/report/figures.h"
 #include "eval/report/means.h"
-#include "eval/report/text.h"
 
 namespace sightline {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "scenes/builders/boeing707.h"
 #include "scenes/builders/cube.h"
-#include "scenes/input_error.h"
+#include "scenes/files/input_error.h"
 
 int main(int argc, char** argv) {
   if (argc != 2) {

@@ -11,7 +11,7 @@
 
 #include <Eigen/Core>
 
-#include "scenes/mesh.h"
+#include "scenes/mesh/mesh.h"
 
 namespace sightline {
 

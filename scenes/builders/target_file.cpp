@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "scenes/input_error.h"
-#include "scenes/mesh_io.h"
+#include "scenes/files/input_error.h"
+#include "scenes/mesh/mesh_io.h"
 
 namespace sightline {
 namespace {

@@ -9,8 +9,8 @@
 
 #include <Eigen/Core>
 
-#include "scenes/mesh.h"
-#include "scenes/target.h"
+#include "scenes/mesh/mesh.h"
+#include "scenes/target/target.h"
 
 namespace sightline {
 

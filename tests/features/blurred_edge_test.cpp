@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "scenes/random.h"
+#include "scenes/random/random.h"
 
 namespace sightline {
 namespace {

@@ -12,7 +12,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
-#include "scenes/random.h"
+#include "scenes/random/random.h"
 
 namespace sightline {
 namespace {

@@ -13,7 +13,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/builders/cube.h"
-#include "scenes/target.h"
+#include "scenes/target/target.h"
 #include "tests/features/plate.h"
 #include "tests/scenes/prism.h"
 

@@ -14,7 +14,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "features/extractor.h"
-#include "scenes/random.h"
+#include "scenes/random/random.h"
 
 namespace sightline {
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/target.h"
+#include "scenes/target/target.h"
 
 namespace sightline {
 namespace {

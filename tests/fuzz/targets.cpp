@@ -6,9 +6,9 @@
 #include <exception>
 #include <string>
 
-#include "scenes/input_error.h"
-#include "scenes/mesh_soup.h"
-#include "scenes/toml_table.h"
+#include "scenes/files/input_error.h"
+#include "scenes/files/toml_table.h"
+#include "scenes/mesh/mesh_soup.h"
 
 namespace sightline {
 namespace {

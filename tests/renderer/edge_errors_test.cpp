@@ -10,7 +10,7 @@
 
 #include "renderer/sample_pattern.h"
 #include "scenes/builders/cube.h"
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace sightline {
 namespace {

@@ -16,7 +16,7 @@
 
 #include "renderer/edge_errors.h"
 #include "scenes/builders/cube.h"
-#include "scenes/input_error.h"
+#include "scenes/files/input_error.h"
 #include "tests/renderer/scenes_for_tests.h"
 
 namespace sightline {

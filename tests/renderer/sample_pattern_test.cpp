@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "scenes/input_error.h"
-#include "scenes/scene.h"
+#include "scenes/files/input_error.h"
+#include "scenes/scene/scene.h"
 
 namespace sightline {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-#include "scenes/scene.h"
+#include "scenes/scene/scene.h"
 
 namespace sightline {
 

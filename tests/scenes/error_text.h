@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "scenes/input_error.h"
+#include "scenes/files/input_error.h"
 
 namespace sightline {
 

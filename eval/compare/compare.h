@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "eval/statistics/statistics.h"
+
+namespace sightline {
+
+enum class Verdict { kUnchanged, kBetter, kWorse, kMissing };
+
+/// One number of a cell in two runs: the mean geodesic error or T_error, capped as in summary.json,
+/// or the rate of failed trials.
+struct Difference {
+  std::string quantity;  ///< "geodesic_deg", "t_error_percent" or "failures"
+  int64_t trials = 0;    ///< pairs, or where there are none the new run's trials
+  double base = kNoNumber;
+  double now = kNoNumber;
+  Interval95 ci95 = kNoInterval;  ///< of now - base
+  double p = 1;  ///< of no change beyond the tolerance; Holm-adjusted over the whole comparison
+  Verdict verdict = Verdict::kUnchanged;
+};
+
+/// One solver in one condition.
+struct CellDifference {
+  std::string condition;  ///< "noise_px 0.5", or "all" where a study has one
+  std::string solver;
+  std::vector<Difference> differences;
+  /// Worse where any of its numbers is, else better where any is; missing where the new run lacks
+  /// the cell.
+  Verdict verdict = Verdict::kUnchanged;
+};
+
+struct Comparison {
+  std::string study;
+  std::string how;  ///< a sentence: paired on which trials or, if not, why
+  double tolerance = 0;
+  std::vector<CellDifference> cells;  ///< in the order of the base
+  int64_t count(Verdict verdict) const;
+  /// A cell is worse or missing.
+  bool has_regression() const { return count(Verdict::kWorse) + count(Verdict::kMissing) > 0; }
+};
+
+/// Compares two runs of one study, each a run's folder or a summary.json alone.
+///
+/// Where both have their trials and these are the same draws (same number, condition and true
+/// pose), the means are compared by the differences trial by trial (paired bootstrap interval,
+/// p_mean_above_zero) and the failures by McNemar's test. Otherwise the means are compared by their
+/// stored intervals (difference_interval, and Student's t for the fewer of both runs' trials) and
+/// the failures by Fisher's test. That is sound for any two runs, and of runs of the same draws
+/// only less sensitive, as what these have in common then counts as noise.
+///
+/// A number is worse or better where the interval of its change lies beyond the tolerance and its
+/// p, adjusted by Holm over all numbers of the comparison, is below 0.05. `tolerance` is what is
+/// allowed on top: a change of a mean by that part of the base's mean, of failures by that part of
+/// the trials.
+///
+/// Throws InputError for what cannot be read, and for runs of different studies.
+Comparison compare_runs(const std::filesystem::path& base, const std::filesystem::path& now,
+                        double tolerance);
+
+/// What changed, as a table for the terminal, as Markdown (with all cells), and as JUnit XML with a
+/// test case a cell.
+std::string to_text(const Comparison& comparison);
+std::string to_markdown(const Comparison& comparison);
+std::string to_junit(const Comparison& comparison);
+
+}  // namespace sightline

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+
+#include "scenes/mesh/mesh.h"
+
+namespace sightline {
+
+/// The vertices of a PLY file, in its order and unit, none welded, dropped or added, with the faces
+/// as triangles. `read_mesh` (scenes/mesh_io.h), which cleans, would change the means over vertices
+/// that BOP's errors are. Throws InputError for a file that cannot be read or has no vertices.
+Mesh read_ply_as_it_is(const std::filesystem::path& file);
+
+}  // namespace sightline

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/datasets/set_frame.h"
+
+#include <cmath>
+
+#include <opencv2/imgproc.hpp>
+
+#include "eval/datasets/pictures.h"
+#include "renderer/truth.h"
+
+namespace sightline {
+namespace {
+
+constexpr int kNearPx = 2;         // masks of other programs differ by about a pixel
+constexpr uint8_t kOtherBody = 2;  // index of the body plus one, as Frame::body_ids has them
+
+// Takes from the target what the mask of its visible pixels leaves out.
+void hide_behind_others(const cv::Mat& visible_mask, Frame& frame) {
+  cv::Mat near_visible;
+  const cv::Size size(2 * kNearPx + 1, 2 * kNearPx + 1);
+  cv::dilate(visible_mask != 0, near_visible, cv::getStructuringElement(cv::MORPH_RECT, size));
+  frame.body_ids.setTo(kOtherBody, (frame.body_ids != 0) & (near_visible == 0));
+  BodyTruth& truth = frame.truth.bodies.front();
+  truth.visible_box = cv::boundingRect(frame.body_ids == 1);
+  truth.visible_pixels = cv::countNonZero(frame.body_ids == 1);
+  for (FeatureTruth& feature : truth.features) {
+    if (!feature.is_in_image) continue;
+    const int u = static_cast<int>(std::lround(feature.pixel.x()));
+    const int v = static_cast<int>(std::lround(feature.pixel.y()));
+    feature.is_hidden_by_other = near_visible.at<uint8_t>(v, u) == 0;
+    feature.is_visible = feature.is_visible && !feature.is_hidden_by_other;
+  }
+}
+
+}  // namespace
+
+SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
+                        const Sighting& sighting) {
+  SetFrame out;
+  Scene& scene = out.scene;
+  scene.target = target;
+  scene.camera = sighting.camera;
+  scene.cam_from_target = sighting.cam_from_target;
+  out.frame.image = read_grey_picture(sighting.picture);
+  if (out.frame.image.empty()) {
+    out.problem = "picture unreadable";
+    return out;
+  }
+  scene.camera.width_px = out.frame.image.cols;
+  scene.camera.height_px = out.frame.image.rows;
+  scene.sensor.bits = out.frame.image.depth() == CV_8U ? 8 : bits;
+  if (!why_not_imageable(scene).empty()) {
+    out.problem = "not imaged";
+    return out;
+  }
+  state_truth(scene, out.frame);
+  if (sighting.visible_mask.empty()) return out;
+  const cv::Mat mask = read_grey_picture(sighting.visible_mask);
+  if (mask.size() == out.frame.image.size()) {
+    hide_behind_others(mask, out.frame);
+  } else {
+    out.problem = "mask unreadable";
+  }
+  return out;
+}
+
+}  // namespace sightline

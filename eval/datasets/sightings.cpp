@@ -1,0 +1,194 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/datasets/sightings.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+#include <fmt/format.h>
+
+#include "eval/datasets/bop/results_csv.h"
+#include "eval/datasets/pictures.h"
+#include "eval/datasets/set_readers.h"
+#include "scenes/files/input_error.h"
+#include "scenes/scene/scene.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMetre = 1e-3;              // of a millimetre
+constexpr double kRotationTolerance = 1e-2;  // what few printed digits leave of orthonormality
+constexpr double kSkewTolerance = 1e-6;      // of the focal length
+
+// Turns the frame that the set's poses are of into the target's.
+Eigen::Matrix3d target_from_model(bool is_of_file_axes, const Target& target) {
+  return is_of_file_axes ? target.target_from_file : Eigen::Matrix3d::Identity();
+}
+
+Pose cam_from_target(const Pose& cam_from_model, const Eigen::Matrix3d& target_from_model) {
+  return {cam_from_model.rotation * target_from_model.transpose(), cam_from_model.translation};
+}
+
+// ---- is it the target?
+
+Eigen::AlignedBox3d box_of(const Target& target) {
+  const Bounds box = bounds(target.mesh);
+  return {box.min_m, box.max_m};
+}
+
+Eigen::AlignedBox3d turned(const Eigen::Matrix3d& rotation, const Eigen::AlignedBox3d& box) {
+  const Eigen::Vector3d a = rotation * box.min();
+  const Eigen::Vector3d b = rotation * box.max();
+  return {a.cwiseMin(b), a.cwiseMax(b)};  // axes turn into axes
+}
+
+bool fits(const Eigen::AlignedBox3d& model_box, const SightingSource& source, bool is_of_file_axes,
+          const Target& target) {
+  const Eigen::AlignedBox3d stated = turned(target_from_model(is_of_file_axes, target), model_box);
+  const Eigen::AlignedBox3d box = box_of(target);
+  const double allowed_m = source.box_tolerance * box.diagonal().norm();
+  return (stated.min() - box.min()).cwiseAbs().maxCoeff() <= allowed_m &&
+         (stated.max() - box.max()).cwiseAbs().maxCoeff() <= allowed_m;
+}
+
+std::string text_of(const Eigen::AlignedBox3d& box) {
+  const Eigen::Vector3d a = box.min();
+  const Eigen::Vector3d b = box.max();
+  return fmt::format("({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g}) m", a.x(), a.y(), a.z(),
+                     b.x(), b.y(), b.z());
+}
+
+void require_same_model(const SightingSource& source, const SetReading& reading,
+                        const Target& target) {
+  if (!reading.model_box_m) return;
+  if (fits(*reading.model_box_m, source, source.is_of_file_axes, target)) return;
+  const bool would_otherwise = fits(*reading.model_box_m, source, !source.is_of_file_axes, target);
+  throw InputError(fmt::format(
+      "{}: object {} fills {}, the target '{}' {}{}; they must agree within {:g} % of the target's "
+      "size (dataset.box_tolerance){}",
+      reading.model_file.string(), reading.obj_id, text_of(*reading.model_box_m), target.name,
+      text_of(
+          turned(target_from_model(source.is_of_file_axes, target).transpose(), box_of(target))),
+      source.is_of_file_axes ? " in the axes of its mesh file" : "", 100 * source.box_tolerance,
+      would_otherwise
+          ? fmt::format("; with --axes {} they do", source.is_of_file_axes ? "target" : "file")
+          : ""));
+}
+
+void require_any_in_image(const SightingSource& source, const std::vector<Sighting>& sightings,
+                          const std::shared_ptr<const Target>& target) {
+  std::string first_reason;
+  for (const Sighting& sighting : sightings) {
+    Scene scene;
+    scene.target = target;
+    scene.camera = sighting.camera;
+    scene.cam_from_target = sighting.cam_from_target;
+    const std::string reason = why_not_imageable(scene);
+    if (reason.empty()) return;
+    if (first_reason.empty()) first_reason = reason;
+  }
+  throw InputError(fmt::format(
+      "{}: none of its {} poses puts '{}' into its image; by the first, {} (translations must be "
+      "in mm in BOP, in m in SPEED+)",
+      source.folder.string(), sightings.size(), target->name, first_reason));
+}
+
+// ---- priors
+
+// Every estimate, best score first, to the free instance of its image whose origin is nearest.
+void give_priors(const SightingSource& source, int obj_id, const Eigen::Matrix3d& target_from_model,
+                 std::vector<Sighting>& sightings) {
+  std::map<std::pair<int, int>, std::vector<Sighting*>> in_image;
+  for (Sighting& sighting : sightings) {
+    in_image[{sighting.scene_id, sighting.im_id}].push_back(&sighting);
+  }
+  std::vector<BopEstimate> estimates = read_bop_results(source.priors);
+  std::erase_if(estimates, [obj_id](const BopEstimate& e) { return e.obj_id != obj_id; });
+  std::stable_sort(estimates.begin(), estimates.end(),
+                   [](const auto& a, const auto& b) { return a.score > b.score; });
+  bool has_any = false;
+  for (const BopEstimate& estimate : estimates) {
+    const Pose mm = cam_from_target(estimate.cam_from_model, target_from_model);
+    const Pose prior{nearest_rotation(mm.rotation), kMetre * mm.translation};
+    Sighting* nearest = nullptr;
+    double nearest_m = std::numeric_limits<double>::infinity();
+    for (Sighting* sighting : in_image[{estimate.scene_id, estimate.im_id}]) {
+      const double distance_m = (sighting->cam_from_target.translation - prior.translation).norm();
+      if (sighting->prior_cam_from_target || distance_m >= nearest_m) continue;
+      nearest = sighting;
+      nearest_m = distance_m;
+    }
+    if (nearest == nullptr) continue;
+    nearest->prior_cam_from_target = prior;
+    has_any = true;
+  }
+  if (has_any) return;
+  throw InputError(fmt::format("{}: has no pose of object {} in an image of the set",
+                               source.priors.string(), obj_id));
+}
+
+// The size of the first picture, which stands for all until they are read.
+void set_camera_sizes(std::vector<Sighting>& sightings) {
+  const fs::path& file = sightings.front().picture;
+  const cv::Mat picture = read_picture(file);
+  if (picture.empty()) throw InputError(fmt::format("{}: cannot be read", file.string()));
+  for (Sighting& sighting : sightings) {
+    sighting.camera.width_px = picture.cols;
+    sighting.camera.height_px = picture.rows;
+  }
+}
+
+}  // namespace
+
+Camera camera_from_matrix(const Eigen::Matrix3d& k) {
+  const bool has_focus = k(0, 0) > 0 && k(1, 1) > 0 && k.allFinite();
+  Eigen::Matrix3d rest = k - Eigen::Matrix3d::Identity();
+  rest(0, 0) = rest(1, 1) = rest(0, 2) = rest(1, 2) = 0;
+  if (!has_focus || rest.cwiseAbs().maxCoeff() > kSkewTolerance * std::max(1.0, k(0, 0))) {
+    throw InputError("must be fx 0 cx, 0 fy cy, 0 0 1 with focal lengths above 0");
+  }
+  Camera camera;
+  camera.fx_px = k(0, 0);
+  camera.fy_px = k(1, 1);
+  camera.cx_px = k(0, 2);
+  camera.cy_px = k(1, 2);
+  return camera;
+}
+
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
+  const double off =
+      (matrix.transpose() * matrix - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(off <= kRotationTolerance) || matrix.determinant() < 0) {
+    throw InputError("is no rotation");
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return svd.matrixU() * svd.matrixV().transpose();
+}
+
+std::vector<Sighting> read_sightings(const SightingSource& source,
+                                     const std::shared_ptr<const Target>& target) {
+  if (!fs::is_directory(source.folder)) {
+    throw InputError(fmt::format("{}: is no folder", source.folder.string()));
+  }
+  SetReading reading =
+      is_speed_set(source) ? read_speed_sightings(source) : read_bop_sightings(source);
+  require_same_model(source, reading, *target);
+  std::vector<Sighting>& sightings = reading.sightings;
+  set_camera_sizes(sightings);
+  const Eigen::Matrix3d to_target = target_from_model(source.is_of_file_axes, *target);
+  for (Sighting& sighting : sightings) {
+    sighting.image = fs::relative(sighting.picture, source.folder).string();
+    sighting.cam_from_target = cam_from_target(sighting.cam_from_target, to_target);
+  }
+  if (!source.priors.empty()) give_priors(source, reading.obj_id, to_target, sightings);
+  require_any_in_image(source, sightings, target);
+  return std::move(reading.sightings);
+}
+
+}  // namespace sightline

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pose/camera.h"
+#include "pose/pose.h"
+#include "scenes/target/target.h"
+
+namespace sightline {
+
+/// A target in an image of somebody's data set, with its true pose: in our conventions, whatever
+/// the set's.
+struct Sighting {
+  std::filesystem::path picture;
+  std::filesystem::path visible_mask;  ///< not 0 where it is seen; empty where the set has none
+  std::string image;                   ///< the picture's path within the set
+  // As BOP numbers them. In SPEED+ the scene and the instance are 0 and an image's id is its place
+  // in the list.
+  int scene_id = 0;
+  int im_id = 0;
+  int gt_id = 0;  ///< place of the instance in its image's truth
+  Camera camera;  ///< its size is that of the set's first picture
+  Pose cam_from_target;
+  std::optional<Pose> prior_cam_from_target;  ///< where priors are given
+};
+
+/// Which sightings to read.
+struct SightingSource {
+  std::filesystem::path folder;  ///< of the set
+  /// Of BOP: the folder of its scenes; empty: "test", or the only one whose name begins so. Of
+  /// SPEED+: its list without ".json", such as "train" or "lightbox/test"; empty: the only one that
+  /// is there.
+  std::string split;
+  std::optional<int> obj_id;  ///< of BOP; none: the only object that the images have
+  /// The poses are of the axes of the mesh's file instead of the target's.
+  bool is_of_file_axes = false;
+  double box_tolerance = 0.01;   ///< of the target's size, between its box and the set's
+  BrownConrady distortion;       ///< of BOP's cameras, which has no place for it
+  std::filesystem::path priors;  ///< a BOP results CSV; empty: none are given
+};
+
+/// The target's sightings in a data set in BOP's scenewise format or SPEED+'s, whoever wrote it, in
+/// the order of scene, image and instance (of SPEED+: of the list). Of BOP they are what its
+/// targets ask for: the instances of test_targets_bop19.json or, without that file, all of which a
+/// tenth is visible; where an image has more, the most visible. A given prior goes to the instance
+/// whose origin is nearest, best score first. Throws InputError, with the file, for whatever is
+/// missing or not so: a picture, an object, a model whose box is not the target's, poses of which
+/// none puts the target into its image.
+std::vector<Sighting> read_sightings(const SightingSource& source,
+                                     const std::shared_ptr<const Target>& target);
+
+}  // namespace sightline

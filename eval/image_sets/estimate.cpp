@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/image_sets/estimate.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "eval/image_sets/set_format.h"
+#include "eval/image_sets/truth.h"
+#include "renderer/gl_context.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+constexpr int kSamples = 20;
+constexpr double kBlock = 4096;  // file systems give a file whole blocks
+
+struct Cost {
+  int images = 0;
+  double render_ms = 0;
+  double encode_ms = 0;
+  double files = 0;
+  double bytes = 0;
+  double blocks = 0;
+};
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+void add_files(Cost& cost, const std::vector<SetFile>& files) {
+  for (const SetFile& file : files) {
+    const auto size = static_cast<double>(file.bytes.size());
+    ++cost.files;
+    cost.bytes += size;
+    cost.blocks += std::ceil(size / kBlock);
+  }
+}
+
+void add_image(Cost& cost, const SetPlan& plan, int64_t index, Renderer& renderer) {
+  auto start = Clock::now();
+  const SetImage image = render_image(plan, index, renderer);
+  if (!image.drawn.is_imageable) return;
+  cost.render_ms += ms_since(start);
+  start = Clock::now();
+  add_files(cost, plan.format->image_files(plan, image));
+  add_files(cost, truth_files(plan, image));
+  add_files(cost, {{"", truth_text(truth_of(plan, image))}});
+  cost.encode_ms += ms_since(start);
+  ++cost.images;
+}
+
+// The free bytes where the set would lie; none where nobody says.
+std::optional<double> free_bytes(fs::path at) {
+  std::error_code error;
+  at = fs::absolute(at, error);
+  while (!fs::exists(at, error) && at.has_relative_path()) at = at.parent_path();
+  const fs::space_info space = fs::space(at, error);
+  if (error) return std::nullopt;
+  return static_cast<double>(space.available);
+}
+
+std::string in_bytes(double bytes) {
+  constexpr std::array kUnits = {"B", "kB", "MB", "GB", "TB"};
+  size_t unit = 0;
+  for (; bytes >= 999.5 && unit + 1 < kUnits.size(); ++unit) bytes /= 1000;
+  return fmt::format("{:.3g} {}", bytes, kUnits[unit]);
+}
+
+std::string in_time(double seconds) {
+  if (seconds < 90) return fmt::format("{:.0f} s", std::max(1.0, seconds));
+  if (seconds < 90 * 60) return fmt::format("{:.0f} min", seconds / 60);
+  return fmt::format("{:.1f} h", seconds / 3600);
+}
+
+}  // namespace
+
+std::string warnings_of(const SetPlan& plan) {
+  std::string text;
+  const double reach_m = 65535 * plan.depth_scale / 1000;
+  const double far_m = farthest_m(plan.study);
+  if (reach_m < far_m) {
+    text += fmt::format(
+        "warning: depth_scale {} ends at {:.6g} m, the scenes reach {:.6g} m; what is beyond gets "
+        "depth 0 (finest that reaches all: {})\n",
+        plan.depth_scale, reach_m, far_m, finest_depth_scale(far_m));
+  }
+  if (!plan.study.camera.distortion.is_zero() && plan.format->name == "bop") {
+    text += "warning: BOP has no lens distortion; it stands in dataset_info.md and sightline/\n";
+  }
+  return text;
+}
+
+std::string estimate_set(const SetPlan& plan, int jobs, const fs::path& out) {
+  Renderer renderer({.gl = gl_choice(plan.gl).value()});
+  Cost cost;
+  Cost warm_up;
+  const int64_t samples = std::min<int64_t>(kSamples, plan.count);
+  add_image(warm_up, plan, 0, renderer);
+  for (int64_t i = 0; i < samples; ++i) {
+    add_image(cost, plan, i * plan.count / samples, renderer);
+  }
+  if (cost.images == 0) return "none of the sampled scenes can be imaged\n";
+  const double n = cost.images;
+  const double image_ms = (cost.render_ms + cost.encode_ms) / n;
+  const auto images = static_cast<double>(plan.count);
+  const double disk = kBlock * cost.blocks / n * images;
+  std::string text = fmt::format(
+      "{} images of {} x {} px, {} a scene, format {}, truth {}\n"
+      "an image    {:.1f} ms to render, {:.1f} ms to encode, {:.3g} files, {}\n"
+      "time        {} with {} job{} ({:.0f} images/s, if there is a processor for each)\n"
+      "disk        {} in {:.0f} files, {} in blocks of {} bytes\n",
+      plan.count, plan.study.camera.width_px, plan.study.camera.height_px, plan.chunk,
+      plan.format->name, plan.has_full_truth ? "full" : "minimal", cost.render_ms / n,
+      cost.encode_ms / n, cost.files / n, in_bytes(cost.bytes / n),
+      in_time(image_ms * images / 1000 / jobs), jobs, jobs == 1 ? "" : "s", 1000 * jobs / image_ms,
+      in_bytes(cost.bytes / n * images), cost.files / n * images, in_bytes(disk), kBlock);
+  text += fmt::format("depth_scale {} mm a step: reaches {:.6g} m, the scenes reach {:.6g} m\n",
+                      plan.depth_scale, 65.535 * plan.depth_scale, farthest_m(plan.study));
+  const std::optional<double> free = free_bytes(out);
+  if (free && *free < disk) {
+    text += fmt::format("warning: only {} are free there\n", in_bytes(*free));
+  }
+  return text;
+}
+
+}  // namespace sightline

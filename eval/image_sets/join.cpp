@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/image_sets/join.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "eval/image_sets/truth.h"
+#include "eval/output/output_folder.h"
+#include "eval/work/interrupt.h"
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+void write_all(const fs::path& folder, const std::vector<SetFile>& files) {
+  for (const SetFile& file : files) {
+    std::error_code error;  // that of the file will say it
+    fs::create_directories((folder / file.path).parent_path(), error);
+    write_file(folder / file.path, file.bytes);
+  }
+}
+
+}  // namespace
+
+std::vector<Json> read_truths(const fs::path& folder, const SetPlan& plan, int64_t chunk) {
+  std::vector<Json> truths;
+  const int64_t end = std::min(plan.count, (chunk + 1) * plan.chunk);
+  for (int64_t index = chunk * plan.chunk; index < end; ++index) {
+    std::optional<Json> truth = read_truth(folder, plan, index);
+    if (!truth) {
+      throw InputError(fmt::format("{}: cannot be read as a truth; remove it and --resume",
+                                   (folder / truth_path(plan, index)).string()));
+    }
+    if (!truth->contains("failure")) truths.push_back(std::move(*truth));
+  }
+  return truths;
+}
+
+std::string list_lines(const SetPlan& plan, std::span<const Json> truths, bool is_first) {
+  std::string lines;
+  for (const Json& truth : truths) {
+    for (const Json& element : plan.format->list_elements(plan, truth)) {
+      lines += fmt::format("{}\n  {}", is_first ? "" : ",", element.dump());
+      is_first = false;
+    }
+  }
+  return lines;
+}
+
+int64_t join_set(const SetPlan& plan, const fs::path& folder) {
+  int64_t images = 0;
+  std::string list(kListBegin);
+  bool is_first = true;
+  write_all(folder, plan.format->set_files(plan));
+  for (int64_t chunk = 0; chunk < plan.chunk_count(); ++chunk) {
+    stop_if_interrupted();
+    const std::vector<Json> truths = read_truths(folder, plan, chunk);
+    images += static_cast<int64_t>(truths.size());
+    write_all(folder, plan.format->chunk_files(plan, chunk, truths));
+    const std::string lines = list_lines(plan, truths, is_first);
+    is_first = is_first && lines.empty();
+    list += lines;
+  }
+  list += kListEnd;
+  write_file(folder / plan.format->list_path, list);
+  return plan.count - images;
+}
+
+}  // namespace sightline

@@ -1,0 +1,190 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/image_sets/render_set.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "eval/image_sets/join.h"
+#include "eval/image_sets/set_format.h"
+#include "eval/image_sets/set_lock.h"
+#include "eval/image_sets/truth.h"
+#include "eval/output/output_folder.h"
+#include "eval/work/interrupt.h"
+#include "eval/work/shares.h"
+#include "renderer/gl_context.h"
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder, error) && !fs::is_directory(folder, error)) {
+    throw InputError(fmt::format("--out {}: exists and is not a folder", folder.string()));
+  }
+  fs::create_directories(folder, error);
+  if (error) {
+    throw InputError(
+        fmt::format("--out {}: cannot be written ({})", folder.string(), error.message()));
+  }
+}
+
+// The first key in which two manifests differ.
+std::string difference(const std::string& there, const std::string& asked) {
+  const Json a = Json::parse(there, nullptr, /*allow_exceptions=*/false);
+  const Json b = Json::parse(asked);
+  if (!a.is_object()) return "holds no manifest that can be read";
+  for (const auto& [key, value] : b.items()) {
+    const Json before = a.contains(key) ? a[key] : Json("nothing");
+    if (before != value) {
+      return fmt::format("was begun with {} {}, not {}", key, before.dump(), value.dump());
+    }
+  }
+  return "was begun with another manifest";
+}
+
+// A folder that holds something, and no set, is somebody else's.
+void refuse_foreign(const fs::path& folder) {
+  const std::set<fs::path> ours = {".lock", "scene.toml", "scene.toml.partial",
+                                   "sightline.json.partial"};
+  if (fs::exists(folder / "sightline.json")) return;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (ours.contains(entry.path().filename())) continue;
+    throw InputError(fmt::format(
+        "--out {}: exists and is not empty; remove it or name another folder", folder.string()));
+  }
+}
+
+// The folder is this set's from here on, or was.
+void claim(const SetPlan& plan, const fs::path& folder) {
+  const fs::path manifest = folder / "sightline.json";
+  const fs::path scene = folder / "scene.toml";
+  if (!fs::exists(manifest)) {
+    write_file(scene, plan.study.toml);
+    write_file(manifest, manifest_of(plan));
+    return;
+  }
+  const std::string there = text_of(manifest);
+  if (there != manifest_of(plan)) {
+    throw InputError(
+        fmt::format("--out {}: {}", folder.string(), difference(there, manifest_of(plan))));
+  }
+  if (text_of(scene) != plan.study.toml) {
+    throw InputError(fmt::format("--out {}: was begun with other keys of the scene {}",
+                                 folder.string(), plan.study.name));
+  }
+}
+
+bool is_done(const SetPlan& plan, const fs::path& folder, int64_t index) {
+  std::error_code none;
+  return fs::exists(folder / truth_path(plan, index), none);
+}
+
+// Which images of a shard are there, by their place in it.
+std::vector<bool> done_in(const SetPlan& plan, const fs::path& folder, const Shard& shard) {
+  std::vector<bool> done;
+  for (int64_t index = shard.index; index < plan.count; index += shard.count) {
+    done.push_back(is_done(plan, folder, index));
+  }
+  return done;
+}
+
+bool is_all_done(const SetPlan& plan, const fs::path& folder) {
+  for (int64_t index = 0; index < plan.count; ++index) {
+    if (!is_done(plan, folder, index)) return false;
+  }
+  return true;
+}
+
+// Writes the files of images, each into folders that it makes when first seen.
+class SetWriter {
+ public:
+  SetWriter(const SetPlan& plan, const fs::path& folder) : plan_(plan), folder_(folder) {}
+
+  void write(const SetImage& image) {
+    if (image.drawn.is_imageable) {
+      for (const SetFile& file : plan_.format->image_files(plan_, image)) write(file);
+      for (const SetFile& file : truth_files(plan_, image)) write(file);
+    }
+    write({truth_path(plan_, image.index), truth_text(truth_of(plan_, image))});
+  }
+
+ private:
+  void write(const SetFile& file) {
+    const fs::path path = folder_ / file.path;
+    if (made_.insert(path.parent_path()).second) {
+      std::error_code error;  // that of the file will say it
+      fs::create_directories(path.parent_path(), error);
+    }
+    write_file(path, file.bytes);
+  }
+
+  const SetPlan& plan_;
+  const fs::path& folder_;
+  std::set<fs::path> made_;
+};
+
+void render_share(const SetPlan& plan, const fs::path& folder, const Shard& shard,
+                  const Tick& tick) {
+  SetWriter writer(plan, folder);
+  Renderer renderer({.gl = gl_choice(plan.gl).value()});
+  for (int64_t index = shard.index; index < plan.count; index += shard.count) {
+    if (is_done(plan, folder, index)) continue;
+    stop_if_interrupted();
+    writer.write(render_image(plan, index, renderer));
+    tick();
+  }
+}
+
+}  // namespace
+
+SetResult render_set(const SetPlan& plan, const SetOptions& options) {
+  const fs::path& folder = options.out;
+  make_folder(folder);
+  refuse_foreign(folder);
+  const SetLock lock(folder, options.shard);
+  {
+    const SetLock::Alone alone(lock);
+    claim(plan, folder);
+  }
+  const std::vector<bool> done = done_in(plan, folder, options.shard);
+  SetResult result;
+  result.images = static_cast<int64_t>(done.size());
+  result.resumed = std::count(done.begin(), done.end(), true);
+  if (result.resumed > 0 && !options.is_resumed) {
+    throw InputError(fmt::format("--out {}: holds {} of this run's images; continue with --resume",
+                                 folder.string(), result.resumed));
+  }
+  const ShardWork work{.label = plan.study.name,
+                       .shard = options.shard,
+                       .to_do = result.images - result.resumed,
+                       .jobs = options.jobs,
+                       .show_progress = options.show_progress};
+  try {
+    if (work.to_do > 0) {
+      run_shares(work, [&](int, const Shard& share, const Tick& tick) {
+        render_share(plan, folder, share, tick);
+      });
+    }
+    result.is_complete = is_all_done(plan, folder);
+    const SetLock::Alone alone(lock);
+    if (result.is_complete) result.failed = join_set(plan, folder);
+  } catch (const Interrupted&) {
+    throw Interrupted("interrupted; finished images are kept for --resume");
+  }
+  return result;
+}
+
+}  // namespace sightline

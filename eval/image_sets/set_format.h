@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "eval/image_sets/set_plan.h"
+#include "eval/output/json.h"
+
+namespace sightline {
+
+/// A file of a set: where it lies in the set's folder, and what it holds.
+struct SetFile {
+  std::string path;
+  std::string bytes;
+};
+
+/// A layout that image sets are written in. To add one: write formats/<name>.cpp, declare it in
+/// formats/formats.h, and list it in set_format.cpp. Every function is pure: the engine writes.
+/// `truth` is what truth_of (truth.h) says of an image, and images that could not be made have no
+/// part in it.
+struct SetFormat {
+  std::string_view name;
+  std::string_view summary;
+
+  /// The files of one image, the picture first.
+  std::vector<SetFile> (*image_files)(const SetPlan& plan, const SetImage& image);
+  /// The paths of the same.
+  std::vector<std::string> (*image_paths)(const SetPlan& plan, const Json& truth);
+  /// What is wrong with those files, which are there, of an image with this truth.
+  std::vector<std::string> (*image_problems)(const SetPlan& plan,
+                                             const std::filesystem::path& folder,
+                                             const Json& truth);
+  /// What joins a chunk's images: the truths are in the order of the images.
+  std::vector<SetFile> (*chunk_files)(const SetPlan& plan, int64_t chunk,
+                                      std::span<const Json> truths);
+  /// The list of all images, an array in a file of this path, and its elements for one of them.
+  std::string_view list_path;
+  std::vector<Json> (*list_elements)(const SetPlan& plan, const Json& truth);
+  /// What is there once a set.
+  std::vector<SetFile> (*set_files)(const SetPlan& plan);
+};
+
+/// The catalogue, in the order in which it is listed.
+std::span<const SetFormat> set_formats();
+
+/// The format of that name; throws InputError with a suggestion when there is none.
+const SetFormat& find_set_format(const std::string& name);
+
+}  // namespace sightline

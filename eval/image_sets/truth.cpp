@@ -1,0 +1,348 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/image_sets/truth.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "eval/datasets/pictures.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+Json array_of(const Eigen::Vector2d& v) {
+  return {v.x(), v.y()};
+}
+
+Json array_of(const Eigen::Vector3d& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+Json array_of(const cv::Rect& box) {
+  return {box.x, box.y, box.width, box.height};
+}
+
+Json row_wise(const Eigen::Matrix3d& m) {
+  Json out = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) out.push_back(m(row, column));
+  }
+  return out;
+}
+
+Json camera_json(const Camera& camera) {
+  const BrownConrady& lens = camera.distortion;
+  return {{"width_px", camera.width_px},
+          {"height_px", camera.height_px},
+          {"fx_px", camera.fx_px},
+          {"fy_px", camera.fy_px},
+          {"cx_px", camera.cx_px},
+          {"cy_px", camera.cy_px},
+          {"distortion_k1_k2_p1_p2_k3", {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}}};
+}
+
+Json light_json(const Light& light) {
+  return {{"to_light_in_cam", array_of(light.to_light_in_cam)},
+          {"ambient", light.ambient},
+          {"directional", light.directional},
+          {"specular", light.specular},
+          {"shininess", light.shininess},
+          {"casts_shadow", light.casts_shadow}};
+}
+
+Json background_json(const Background& background) {
+  return {{"kind", to_string(background.kind)},
+          {"level", background.level},
+          {"contrast", background.contrast},
+          {"angle_deg", background.angle_deg},
+          {"cloud_px", background.cloud_px},
+          {"stars_per_megapixel", background.stars_per_megapixel},
+          {"seed", background.seed}};
+}
+
+Json sensor_json(const Sensor& sensor) {
+  return {{"bits", sensor.bits},
+          {"white", std::exp2(sensor.bits) - 1},
+          {"psf_sigma_px", sensor.psf_sigma_px},
+          {"gain", sensor.gain},
+          {"read_noise_grey", sensor.read_noise_grey},
+          {"full_well_electrons", sensor.full_well_electrons},
+          {"dead_fraction", sensor.dead_fraction},
+          {"hot_fraction", sensor.hot_fraction}};
+}
+
+Json scene_json(const Scene& scene) {
+  return {{"light", light_json(scene.light)},
+          {"background", background_json(scene.background)},
+          {"livery", {{"contrast", scene.livery.contrast}, {"stripe_m", scene.livery.stripe_m}}},
+          {"motion",
+           {{"rotation_rad", array_of(scene.motion.rotation_rad)},
+            {"translation_m", array_of(scene.motion.translation_m)},
+            {"samples", scene.motion.samples}}},
+          {"sensor", sensor_json(scene.sensor)},
+          {"samples_per_pixel", scene.samples_per_pixel}};
+}
+
+Json feature_json(const TargetFeature& feature, const FeatureTruth& truth) {
+  Json edges = Json::array();
+  for (const EdgeTruth& edge : truth.edges) {
+    edges.push_back({array_of(edge.begin), array_of(edge.end)});
+  }
+  return {{"name", feature.name},
+          {"pixel", array_of(truth.pixel)},
+          {"is_visible", truth.is_visible},
+          {"is_in_image", truth.is_in_image},
+          {"is_hidden_by_other", truth.is_hidden_by_other},
+          {"edges", edges}};
+}
+
+Json pose_json(const Pose& cam_from_target) {
+  const Eigen::Vector4d q = quaternion_wxyz(cam_from_target.rotation);
+  return {{"q_wxyz", {q[0], q[1], q[2], q[3]}},
+          {"rotation", row_wise(cam_from_target.rotation)},
+          {"translation_m", array_of(cam_from_target.translation)}};
+}
+
+const Target& target_of(const Scene& scene, size_t body) {
+  return body == 0 ? *scene.target : *scene.others[body - 1].target;
+}
+
+Json body_json(const SetPlan& plan, const SetImage& image, size_t i) {
+  const Target& target = target_of(image.drawn.scene, i);
+  const BodyTruth& body = image.frame.truth.bodies[i];
+  Json features = Json::array();
+  for (size_t k = 0; k < body.features.size(); ++k) {
+    features.push_back(feature_json(target.features[k], body.features[k]));
+  }
+  const cv::Mat seen_or_hidden = body.amodal_mask & (image.frame.depth_m > 0);
+  return {{"target", target.name},
+          {"obj_id", body.is_occluder ? 0 : object_id(plan, target)},
+          {"is_occluder", body.is_occluder},
+          {"cam_from_target", pose_json(body.cam_from_target)},
+          {"visible_box", array_of(body.visible_box)},
+          {"visible_pixels", body.visible_pixels},
+          {"amodal_box", array_of(body.amodal_box)},
+          {"amodal_pixels", body.amodal_pixels},
+          {"amodal_pixels_in_image", cv::countNonZero(body.amodal_mask)},
+          {"amodal_pixels_with_depth", cv::countNonZero(seen_or_hidden)},
+          {"visible_fraction", body.visible_fraction()},
+          {"features", features}};
+}
+
+double z0_of(const SetImage& image) {
+  return image.drawn.scene.cam_from_target.translation.z();
+}
+
+cv::Mat relative_depth(const SetImage& image) {
+  const cv::Mat& depth_m = image.frame.depth_m;
+  const double z0 = z0_of(image);
+  cv::Mat relative(depth_m.size(), CV_32F);
+  for (int v = 0; v < depth_m.rows; ++v) {
+    const double* from = depth_m.ptr<double>(v);
+    float* to = relative.ptr<float>(v);
+    for (int u = 0; u < depth_m.cols; ++u) {
+      to[u] =
+          from[u] > 0 ? static_cast<float>(from[u] - z0) : std::numeric_limits<float>::quiet_NaN();
+    }
+  }
+  return relative;
+}
+
+std::string stem_of(const SetPlan& plan, int64_t index) {
+  return fmt::format("sightline/{}/{}", six_digits(plan.chunk_of(index)),
+                     six_digits(plan.number_in_chunk(index)));
+}
+
+// ---- checks
+
+// Redrawing rounds alike on one machine; libraries of other machines may differ in the last digit.
+constexpr double kRounding = 1e-9;
+
+bool is_close(double a, double b) {
+  return std::abs(a - b) <= kRounding * (1 + std::abs(b));
+}
+
+bool is_close(const Pose& a, const Pose& b) {
+  const double scale = 1 + b.translation.norm();
+  return (a.rotation - b.rotation).norm() <= kRounding &&
+         (a.translation - b.translation).norm() <= kRounding * scale;
+}
+
+// Numbers may differ by rounding, all else must be the same.
+bool is_close(const Json& a, const Json& b) {
+  if (a.is_number() && b.is_number()) return is_close(a.get<double>(), b.get<double>());
+  if (a.type() != b.type() || a.size() != b.size()) return false;
+  if (a.is_object()) {
+    for (const auto& [key, value] : b.items()) {
+      if (!a.contains(key) || !is_close(a[key], value)) return false;
+    }
+    return true;
+  }
+  if (!a.is_array()) return a == b;
+  for (size_t i = 0; i < b.size(); ++i) {
+    if (!is_close(a[i], b[i])) return false;
+  }
+  return true;
+}
+
+std::vector<std::string> body_problems(const Json& body, const Target& target, const Camera& camera,
+                                       const Pose& drawn) {
+  std::vector<std::string> problems;
+  const auto expect = [&](bool is_good, const std::string& problem) {
+    if (!is_good) problems.push_back(problem);
+  };
+  const Pose pose = pose_in(body);
+  expect(body.at("target") == target.name, "names another target than the scene has there");
+  expect(is_valid(pose) && is_close(pose, drawn), "its pose is not the one that was drawn");
+  expect(is_close(body.at("cam_from_target"), pose_json(drawn)),
+         "its quaternion and its rotation are of two poses");
+  expect(body.at("features").size() == target.features.size(), "features are missing");
+  for (size_t k = 0; k < std::min(body.at("features").size(), target.features.size()); ++k) {
+    const Json& feature = body.at("features")[k];
+    const auto pixel = project(camera, pose * target.features[k].position_m);
+    expect(feature.at("name") == target.features[k].name &&
+               (!pixel || is_close(feature.at("pixel"), array_of(*pixel))),
+           fmt::format("feature {} is not where its pose puts it", target.features[k].name));
+  }
+  const int all = body.at("amodal_pixels");
+  const int visible = body.at("visible_pixels");
+  expect(visible >= 0 && visible <= all, "more pixels are visible than there are");
+  const double fraction = all > 0 ? static_cast<double>(visible) / all : 0;
+  expect(is_close(body.at("visible_fraction").get<double>(), fraction),
+         "the visible fraction is not that of its pixels");
+  return problems;
+}
+
+std::vector<std::string> part_problems(const fs::path& folder, const SetPlan& plan,
+                                       const Json& truth, int64_t index) {
+  std::vector<std::string> problems;
+  const std::vector<std::string> paths = truth_file_paths(plan, index);
+  if (paths.empty()) return problems;
+  const Json& camera = truth.at("camera");
+  const cv::Size size(camera.at("width_px"), camera.at("height_px"));
+  const cv::Mat depth = read_picture(folder / paths[0]);
+  const cv::Mat parts = read_picture(folder / paths[1]);
+  if (depth.type() != CV_32F || depth.size() != size) problems.push_back(paths[0] + " is torn");
+  if (parts.type() != CV_16U || parts.size() != size) problems.push_back(paths[1] + " is torn");
+  if (!problems.empty()) return problems;
+  int visible = 0;
+  for (const Json& body : truth.at("bodies")) visible += body.at("visible_pixels").get<int>();
+  if (cv::countNonZero(parts) != visible) {
+    problems.push_back(paths[1] + " has other pixels than the bodies are said to have");
+  }
+  if (cv::countNonZero((depth == depth) != (parts > 0)) != 0) {
+    problems.push_back(paths[0] + " and " + paths[1] + " are not of one outline");
+  }
+  return problems;
+}
+
+}  // namespace
+
+std::string truth_path(const SetPlan& plan, int64_t index) {
+  return stem_of(plan, index) + ".json";
+}
+
+Json truth_of(const SetPlan& plan, const SetImage& image) {
+  const Scene& scene = image.drawn.scene;
+  Json truth = {{"index", image.index},
+                {"seed", plan.study.seed},
+                {"condition", plan.study.conditions[plan.study.condition_of(image.index)].label},
+                {"redraws", image.drawn.redraws}};
+  if (!image.drawn.is_imageable) {
+    truth["failure"] = why_not_imageable(scene);
+    return truth;
+  }
+  truth["image"] = plan.format->image_paths(plan, truth).front();
+  truth["camera"] = camera_json(image.frame.truth.camera);
+  truth["z0_m"] = z0_of(image);
+  truth["scene"] = scene_json(scene);
+  truth["bodies"] = Json::array();
+  for (size_t i = 0; i < image.frame.truth.bodies.size(); ++i) {
+    truth["bodies"].push_back(body_json(plan, image, i));
+  }
+  return truth;
+}
+
+std::string truth_text(const Json& truth) {
+  return truth.dump() + "\n";
+}
+
+std::vector<SetFile> truth_files(const SetPlan& plan, const SetImage& image) {
+  const std::vector<std::string> paths = truth_file_paths(plan, image.index);
+  if (paths.empty()) return {};
+  return {{paths[0], tiff_bytes(relative_depth(image))},
+          {paths[1], png_bytes(image.frame.part_ids)}};
+}
+
+std::vector<std::string> truth_file_paths(const SetPlan& plan, int64_t index) {
+  if (!plan.has_full_truth) return {};
+  const std::string stem = stem_of(plan, index);
+  return {stem + "_depth.tiff", stem + "_parts.png"};
+}
+
+std::optional<Json> read_truth(const fs::path& folder, const SetPlan& plan, int64_t index) {
+  std::ifstream stream(folder / truth_path(plan, index), std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), {}};
+  Json truth = Json::parse(text, nullptr, /*allow_exceptions=*/false);
+  if (!truth.is_object() || truth_text(truth) != text) return std::nullopt;
+  return truth;
+}
+
+std::vector<std::string> truth_problems(const fs::path& folder, const SetPlan& plan,
+                                        const Json& truth, int64_t index) {
+  const DrawnScene drawn = draw_scene(plan, index);
+  const Scene& scene = drawn.scene;
+  std::vector<std::string> problems;
+  const auto expect = [&](const char* key, const Json& value) {
+    if (!is_close(truth.at(key), value)) problems.push_back(fmt::format("{} is wrong", key));
+  };
+  expect("index", index);
+  expect("seed", plan.study.seed);
+  expect("condition", plan.study.conditions[plan.study.condition_of(index)].label);
+  expect("redraws", drawn.redraws);
+  if (!drawn.is_imageable) {
+    expect("failure", why_not_imageable(scene));
+    return problems;
+  }
+  expect("image", plan.format->image_paths(plan, truth).front());
+  expect("camera", camera_json(scene.camera));
+  expect("z0_m", scene.cam_from_target.translation.z());
+  expect("scene", scene_json(scene));
+  const Json& bodies = truth.at("bodies");
+  if (bodies.empty() || bodies.size() > 1 + scene.others.size()) {
+    problems.push_back("has other bodies than its scene");
+    return problems;
+  }
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    const Pose& pose = i == 0 ? scene.cam_from_target : scene.others[i - 1].cam_from_target;
+    for (const std::string& problem :
+         body_problems(bodies[i], target_of(scene, i), scene.camera, pose)) {
+      problems.push_back(fmt::format("body {}: {}", i, problem));
+    }
+  }
+  for (std::string& problem : part_problems(folder, plan, truth, index)) {
+    problems.push_back(std::move(problem));
+  }
+  return problems;
+}
+
+Pose pose_in(const Json& body) {
+  const Json& stated = body.at("cam_from_target");
+  Pose pose;
+  for (int i = 0; i < 9; ++i) {
+    pose.rotation(i / 3, i % 3) = stated.at("rotation").at(static_cast<size_t>(i));
+  }
+  for (int i = 0; i < 3; ++i) {
+    pose.translation[i] = stated.at("translation_m").at(static_cast<size_t>(i));
+  }
+  return pose;
+}
+
+}  // namespace sightline

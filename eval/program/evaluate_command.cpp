@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/program/evaluate_command.h"
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "eval/output/json.h"
+#include "eval/program/run_command.h"
+#include "eval/work/interrupt.h"
+#include "features/extractor.h"
+#include "scenes/files/assets.h"
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kDrawnPrior = "truth+error";
+const std::vector<std::string> kSolvers = {"orpe", "orpe_weighed", "lspe", "oracle"};
+
+struct EvaluateArguments {
+  std::string dataset;
+  std::string target;
+  std::string split;
+  std::optional<int> object;
+  std::string axes = "target";
+  std::string prior = kDrawnPrior;
+  std::string extractor;
+  std::vector<std::string> solvers = kSolvers;
+  RunArguments run;
+};
+
+// A text as TOML writes it: JSON's escapes are among TOML's.
+std::string quoted(const std::string& text) {
+  return Json(text).dump();
+}
+
+// The set's folder as the name of a run, which is to be a file's.
+std::string name_of(const fs::path& dataset) {
+  const fs::path folder = fs::absolute(dataset).lexically_normal();
+  std::string name =
+      folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
+  for (char& c : name) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.';
+    if (!is_plain) c = '-';
+  }
+  return "evaluate-" + name;
+}
+
+// What makes an extractor that of every kind of feature which it finds.
+std::string extraction_table(const std::string& name) {
+  if (name.empty()) return "";
+  const FeatureExtractor* const extractor = find_feature_extractor(name);
+  if (extractor == nullptr) {
+    std::vector<std::string> names;
+    for (const FeatureExtractor& known : feature_extractors()) names.emplace_back(known.name);
+    throw InputError(fmt::format("--extractor {}: is not known{}", name, suggestion(name, names)));
+  }
+  constexpr std::array<std::pair<const char*, FeatureKind>, 3> kKeys = {
+      {{"line_intersection", FeatureKind::kLineIntersection},
+       {"corner", FeatureKind::kCorner},
+       {"contour", FeatureKind::kContour}}};
+  std::string table = "[extraction]\n";
+  for (const auto& [key, kind] : kKeys) {
+    if (extractor->finds(kind)) table += fmt::format("{} = {}\n", key, quoted(name));
+  }
+  return table;
+}
+
+// A shipped target by its name, any other by its place, wherever the study is read again.
+std::string target_of(const std::string& name_or_path) {
+  const fs::path file = find_target_file(name_or_path);
+  return fs::path(name_or_path) == file ? fs::absolute(file).lexically_normal().string()
+                                        : name_or_path;
+}
+
+// The study that the command line asks for, as a file would say it.
+std::string study_text(const EvaluateArguments& a) {
+  const std::string name = name_of(a.dataset);
+  const std::string set = name.substr(name.find('-') + 1);
+  std::vector<std::string> solvers;
+  for (const std::string& solver : a.solvers) solvers.push_back(quoted(solver));
+  std::string text = fmt::format("name = {}\n", quoted(name));
+  text += fmt::format("title = {}\n", quoted("Features and pose on the images of " + set));
+  text += fmt::format("question = {}\n",
+                      quoted(fmt::format("How well do these solvers do on {}?", set)));
+  text += fmt::format("target = {}\n", quoted(target_of(a.target)));
+  text += fmt::format("solvers = [{}]\n", fmt::join(solvers, ", "));
+  text += fmt::format("[dataset]\npath = {}\naxes = {}\n",
+                      quoted(fs::absolute(a.dataset).lexically_normal().string()), quoted(a.axes));
+  if (!a.split.empty()) text += fmt::format("split = {}\n", quoted(a.split));
+  if (a.object) text += fmt::format("object = {}\n", *a.object);
+  if (a.prior != kDrawnPrior) {
+    text += fmt::format("priors = {}\n", quoted(fs::absolute(a.prior).lexically_normal().string()));
+  }
+  return text + extraction_table(a.extractor);
+}
+
+int run_evaluate(const EvaluateArguments& arguments, const std::string& command) {
+  remember_interrupts();
+  const Study study = read_study_text(study_text(arguments), "evaluate", arguments.run.overrides);
+  return run_command(study, arguments.run, arguments.run.out, command);
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, const std::string& command, int& exit_code) {
+  auto arguments = std::make_shared<EvaluateArguments>();
+  CLI::App* sub = app.add_subcommand(
+      "evaluate",
+      "Extract, solve and report on an existing image set, in BOP's format or SPEED+'s");
+  sub->add_option("dataset", arguments->dataset,
+                  "Folder of the set: BOP's scenes, or SPEED+'s list, images/ and camera.json")
+      ->required();
+  sub->add_option(
+         "--target", arguments->target,
+         "Name of a target or its target.toml: the mesh that the images show, its features")
+      ->required();
+  CLI::Option* out =
+      sub->add_option("--out", arguments->run.out, "Folder for the results")->required();
+  sub->add_option("--split", arguments->split,
+                  "BOP: folder of scenes [test, or the only test*]; SPEED+: the list, such as "
+                  "train or lightbox/test [the only one]");
+  sub->add_option("--object", arguments->object, "BOP: obj_id of the target [the only one]");
+  sub->add_option("--axes", arguments->axes,
+                  "What the set's poses are of: the target's frame (x forward, y starboard, z "
+                  "down), as `render` writes them, or the axes of the mesh file that target.toml "
+                  "names, where that file is the set's own model")
+      ->check(CLI::IsMember({"target", "file"}))
+      ->capture_default_str();
+  sub->add_option("--prior", arguments->prior,
+                  "Where to look: the true pose with an error drawn by --set prior.attitude_deg=2, "
+                  "prior.range_percent=1, prior.lateral_px=3 (standard deviations), or a BOP "
+                  "results CSV of anyone's poses, mm (SPEED+: scene_id 0, im_id the place in the "
+                  "list from 0, obj_id 1); an instance without one there is a failed trial")
+      ->capture_default_str();
+  sub->add_option("--extractor", arguments->extractor,
+                  "For all features that it can find (`sightline list extractors`); one for each "
+                  "kind: --set extraction.corner=NAME, ...");
+  sub->add_option("--solvers", arguments->solvers, "Comma-separated (`sightline list solvers`)")
+      ->delimiter(',')
+      ->capture_default_str();
+  sub->add_option("--trials", arguments->run.overrides.trials, "Only the first of the instances");
+  sub->add_option("--set", arguments->run.overrides.set,
+                  "key=value of a study, for example extraction.passes=2; may be repeated")
+      ->allow_extra_args(false);
+  add_run_options(*sub, out, arguments->run);
+  sub->callback(
+      [arguments, command, &exit_code] { exit_code = run_evaluate(*arguments, command); });
+}
+
+}  // namespace sightline

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The program `sightline`: reads the command line and calls what does the work.
+#include <cstdlib>
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <malloc.h>
+#include <opencv2/core.hpp>
+
+#include "eval/program/commands.h"
+#include "eval/work/interrupt.h"
+#include "scenes/files/input_error.h"
+
+namespace {
+
+constexpr int kInputErrorExit = 1;
+constexpr int kUsageExit = 2;
+constexpr int kInterruptedExit = 130;  // as shells say it
+
+std::string command_line(int argc, char** argv) {
+  std::string text = "sightline";
+  for (int i = 1; i < argc; ++i) text += fmt::format(" {}", argv[i]);
+  return text;
+}
+
+// What users and libraries put into a text may hold line ends; an error is one line.
+std::string in_one_line(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r' || c == '\t') c = ' ';
+  }
+  return text;
+}
+
+// Frames come and go: memory that was once fetched from the system, page by page, is kept for the
+// next. A fifth of the time of an image set.
+void keep_freed_memory() {
+  constexpr int kMebibyte = 1 << 20;
+  mallopt(M_MMAP_THRESHOLD, 32 * kMebibyte);
+  mallopt(M_TRIM_THRESHOLD, 512 * kMebibyte);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  cv::setNumThreads(1);  // processes are the unit of parallel work
+  keep_freed_memory();
+  CLI::App app(
+      "Sightline renders meshed targets under known poses, extracts features from the images,\n"
+      "estimates the pose from them, and measures every step against the truth.");
+  app.set_version_flag("--version", SIGHTLINE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 good, 1 input error, 2 usage, 3 `compare` found a regression, 4 some trials\n"
+      "could not be run, 130 interrupted.\n"
+      "Begin with:  sightline list    sightline study boeing-table1");
+  int exit_code = 0;
+  sightline::add_commands(app, command_line(argc, argv), exit_code);
+  try {
+    app.parse(argc, argv);
+    std::cout.flush();
+    if (!std::cout) throw sightline::InputError("standard output cannot be written");
+    return exit_code;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kUsageExit;
+  } catch (const sightline::Interrupted& interrupted) {
+    std::cerr << "\nsightline: " << in_one_line(interrupted.what()) << '\n';
+    return kInterruptedExit;
+  } catch (const std::bad_alloc&) {
+    std::cerr << "sightline: out of memory\n";
+    return kInputErrorExit;
+  } catch (const std::exception& error) {
+    std::cerr << "sightline: " << in_one_line(error.what()) << '\n';
+    return kInputErrorExit;
+  }
+}

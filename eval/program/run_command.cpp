@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/program/run_command.h"
+
+#include <iostream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "eval/tables/result_table.h"
+#include "eval/work/shard.h"
+
+namespace sightline {
+namespace {
+
+constexpr int kSomeTrialsNotRunExit = 4;
+
+void print_result(const Study& study, const RunResult& result, const std::filesystem::path& out) {
+  std::cout << to_table(study, result.summary)
+            << "\nreport: " << std::filesystem::absolute(out / "report.html").string() << "\n";
+}
+
+}  // namespace
+
+void add_run_options(CLI::App& sub, CLI::Option* out, RunArguments& arguments) {
+  sub.add_flag("--resume", arguments.is_resumed,
+               "Continue what a run into --out left that was killed or failed; begin where there "
+               "is none. Finished trials then outlive an interrupt too")
+      ->needs(out);
+  sub.add_option("--seed", arguments.overrides.seed, "Seed of all random draws")
+      ->check(CLI::NonNegativeNumber);
+  sub.add_option("--jobs", arguments.jobs, "Processes to run at once")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  sub.add_option("--shard", arguments.shard,
+                 "Only trials with number mod N = I: I/N, auto or auto/N (from the engine)");
+  sub.add_flag("--quiet", arguments.is_quiet, "No progress and no table");
+}
+
+void print_note(const RunResult& result) {
+  if (!result.figures_note.empty()) std::cerr << "sightline: " << result.figures_note << "\n";
+}
+
+int exit_code_of(const RunResult& result) {
+  if (result.failed_trials == 0) return 0;
+  std::cerr << fmt::format("sightline: {} of {} trials could not be run (see results.csv)\n",
+                           result.failed_trials, result.trials);
+  return kSomeTrialsNotRunExit;
+}
+
+RunOptions run_options(const RunArguments& arguments) {
+  RunOptions options;
+  options.jobs = arguments.jobs;
+  options.is_resumed = arguments.is_resumed;
+  options.show_progress = !arguments.is_quiet;
+  options.renderer.gl = gl_choice(arguments.gl).value();
+  options.shard = chosen_shard(arguments.shard, !arguments.is_quiet);
+  return options;
+}
+
+int run_command(const Study& study, const RunArguments& arguments, const std::filesystem::path& out,
+                const std::string& command) {
+  RunOptions options = run_options(arguments);
+  options.out = out;
+  options.command = command;
+  const RunResult result = run_study(study, options);
+  if (!arguments.is_quiet && result.resumed_trials > 0) {
+    std::cerr << fmt::format("resumed: {} of {} trials were there\n", result.resumed_trials,
+                             result.trials);
+  }
+  if (!arguments.is_quiet) print_result(study, result, options.out);
+  print_note(result);
+  return exit_code_of(result);
+}
+
+}  // namespace sightline

@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "eval/run/run.h"
+#include "eval/study/study.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace sightline {
+
+/// What the command line says of a run, whatever it runs.
+struct RunArguments {
+  StudyOverrides overrides;
+  std::string out;
+  int jobs = 1;
+  std::string shard;
+  std::string gl = "none";
+  bool is_resumed = false;
+  bool is_quiet = false;
+};
+
+/// Adds the options of every command that runs trials, but for --out, which --resume needs.
+void add_run_options(CLI::App& sub, CLI::Option* out, RunArguments& arguments);
+
+/// The same as options of a run whose folder and command are still to be said. Throws InputError
+/// for a shard that is none.
+RunOptions run_options(const RunArguments& arguments);
+
+/// Runs the study into a folder and says what came of it. Returns the exit code.
+int run_command(const Study& study, const RunArguments& arguments, const std::filesystem::path& out,
+                const std::string& command);
+
+/// What a user should know of a result that is whole but for its figures.
+void print_note(const RunResult& result);
+
+/// 0, or 4 where some trials could not be run, which is said.
+int exit_code_of(const RunResult& result);
+
+}  // namespace sightline

@@ -1,0 +1,320 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/score/score.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+
+#include "eval/datasets/pictures.h"
+#include "eval/score/pose_errors.h"
+#include "eval/summary/summary.h"
+#include "pose/attitude.h"
+#include "pose/camera.h"
+#include "renderer/truth.h"
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMspdWidth = 640;    // px, the image that MSPD's thresholds are of
+constexpr double kAddFraction = 0.1;  // of the diameter
+constexpr double kGoodProjectionPx = 5;
+constexpr uint64_t kSeed = 1;  // of the bootstrap
+
+// Indices of `count` values, or fewer, greatest first; those that tie in their order.
+template <typename Value>
+std::vector<size_t> greatest(std::vector<size_t> indices, size_t count, const Value& value) {
+  std::stable_sort(indices.begin(), indices.end(),
+                   [&](size_t a, size_t b) { return value(a) > value(b); });
+  indices.resize(std::min(count, indices.size()));
+  return indices;
+}
+
+// Draws what VSD compares.
+class Views {
+ public:
+  // The image must have depth.
+  explicit Views(const BopImage& image) : k_(image.k) {
+    cv::Mat depth = read_picture(image.depth_file);
+    if (depth.empty() || depth.channels() != 1) {
+      throw InputError(fmt::format("{}: is no depth image", image.depth_file.string()));
+    }
+    depth.convertTo(depth, CV_64F, image.depth_scale);
+    camera_ = {.width_px = depth.cols,
+               .height_px = depth.rows,
+               .fx_px = k_(0, 0),
+               .fy_px = k_(1, 1),
+               .cx_px = k_(0, 2),
+               .cy_px = k_(1, 2),
+               .distortion = {}};
+    test_mm_ = distances_of_depth(depth, k_);
+  }
+
+  const cv::Mat& test_mm() const { return test_mm_; }
+  cv::Mat of(const BopModel& model, const Pose& pose) const {
+    return distances_of_depth(depth_alone(model.mesh_mm, camera_, pose), k_);
+  }
+
+ private:
+  Eigen::Matrix3d k_;
+  Camera camera_;
+  cv::Mat test_mm_;
+};
+
+// One object in one image: rows are estimates, best score first, columns the instances asked for.
+class Group {
+ public:
+  Group(const BopImage& image, const BopModel& model, std::span<const BopEstimate> estimates,
+        std::vector<size_t> counting, std::vector<size_t> instances)
+      : image_(image),
+        model_(model),
+        estimates_(estimates),
+        counting_(std::move(counting)),
+        instances_(std::move(instances)) {
+    for (const size_t e : counting_) {
+      for (const size_t g : instances_) pairs_.push_back(pair_of(e, g));
+    }
+  }
+
+  void add_vsd(const Views& views, double delta_mm) {
+    std::vector<double> taus_mm;
+    for (int i = 0; i < kBopThresholds; ++i) {
+      taus_mm.push_back(bop_fraction(i) * model_.diameter_mm);
+    }
+    std::vector<cv::Mat> truths;
+    for (const size_t g : instances_) {
+      truths.push_back(views.of(model_, image_.instances[g].cam_from_model));
+    }
+    for (size_t row = 0; row < counting_.size(); ++row) {
+      const cv::Mat estimated = views.of(model_, estimates_[counting_[row]].cam_from_model);
+      for (size_t column = 0; column < instances_.size(); ++column) {
+        pairs_[row * instances_.size() + column].vsd =
+            vsd(views.test_mm(), truths[column], estimated, delta_mm, taus_mm);
+      }
+    }
+  }
+
+  std::vector<BopTarget> targets(size_t image_index, int obj_id) const {
+    std::vector<BopTarget> targets(instances_.size());
+    for (size_t column = 0; column < instances_.size(); ++column) {
+      targets[column].image = image_index;
+      targets[column].instance = instances_[column];
+      targets[column].obj_id = obj_id;
+      for (size_t row = 0; row < counting_.size(); ++row) {
+        targets[column].pairs.push_back(pairs_[row * instances_.size() + column]);
+      }
+    }
+    const double width_scale = kMspdWidth / image_.width_px;
+    for (int i = 0; i < kBopThresholds; ++i) {
+      const double fraction = bop_fraction(i);
+      for_each_match([](const BopPair& p) { return p.mssd_mm; }, fraction * model_.diameter_mm,
+                     [&](size_t column, size_t) { targets[column].mssd[i] = true; });
+      for_each_match([&](const BopPair& p) { return p.mspd_px * width_scale; }, bop_pixels(i),
+                     [&](size_t column, size_t) { targets[column].mspd[i] = true; });
+      for (int tau = 0; tau < kBopThresholds; ++tau) {
+        for_each_match([&](const BopPair& p) { return p.vsd.empty() ? kInfinity : p.vsd[tau]; },
+                       fraction,
+                       [&](size_t column, size_t) { targets[column].vsd[tau][i] = true; });
+      }
+    }
+    const double add_limit_mm = kAddFraction * model_.diameter_mm;
+    for_each_match([](const BopPair& p) { return p.add_mm; }, add_limit_mm,
+                   [&](size_t column, size_t) { targets[column].is_add_good = true; });
+    for_each_match([](const BopPair& p) { return p.adi_mm; }, add_limit_mm,
+                   [&](size_t column, size_t) { targets[column].is_adi_good = true; });
+    for_each_match([](const BopPair& p) { return p.mssd_mm; }, kInfinity,
+                   [&](size_t column, size_t row) { targets[column].chosen = row; });
+    return targets;
+  }
+
+ private:
+  BopPair pair_of(size_t e, size_t g) const {
+    const Pose& estimated = estimates_[e].cam_from_model;
+    const Pose& truth = image_.instances[g].cam_from_model;
+    const Eigen::Matrix3Xd& points = model_.points_mm;
+    const Pose alike = nearest_alike(points, estimated, truth, model_.symmetries);
+    return {.estimate = e,
+            .instance = g,
+            .mssd_mm = mssd_mm(points, estimated, alike, std::array{Pose{}}),
+            .mspd_px = mspd_px(points, image_.k, estimated, truth, model_.symmetries),
+            .add_mm = add_mm(points, estimated, truth),
+            .adi_mm = adi_mm(points, estimated, truth),
+            .vsd = {},
+            .projection_px = projection_px(points, image_.k, estimated, alike),
+            .theta_error_deg = kDegrees * attitude_error_rad(estimated.rotation, alike.rotation),
+            .t_error_percent =
+                100 * translation_error_fraction(estimated.translation, alike.translation),
+            .geodesic_deg = kDegrees * geodesic_angle_rad(estimated.rotation, alike.rotation),
+            .speed_score = speed_score(estimated, alike),
+            .speed_plus_score = speed_plus_score(estimated, alike),
+            .is_within_5deg_5cm = is_within_5deg_5cm(estimated, alike)};
+  }
+
+  // Greedily: the estimates in their order take the free instance of the least error below.
+  template <typename Error, typename Match>
+  void for_each_match(const Error& error, double threshold, const Match& match) const {
+    std::vector<bool> is_taken(instances_.size(), false);
+    for (size_t row = 0; row < counting_.size(); ++row) {
+      double least = threshold;
+      std::optional<size_t> best;
+      for (size_t column = 0; column < instances_.size(); ++column) {
+        const double value = error(pairs_[row * instances_.size() + column]);
+        if (is_taken[column] || !(value < least)) continue;
+        least = value;
+        best = column;
+      }
+      if (!best) continue;
+      is_taken[*best] = true;
+      match(*best, row);
+    }
+  }
+
+  const BopImage& image_;
+  const BopModel& model_;
+  std::span<const BopEstimate> estimates_;
+  std::vector<size_t> counting_;   // indices of estimates
+  std::vector<size_t> instances_;  // indices in the image
+  std::vector<BopPair> pairs_;     // row by row
+};
+
+std::vector<size_t> instances_asked(const BopImage& image, int obj_id, int count) {
+  std::vector<size_t> all;
+  for (size_t i = 0; i < image.instances.size(); ++i) {
+    if (image.instances[i].obj_id == obj_id) all.push_back(i);
+  }
+  return greatest(all, count, [&](size_t i) { return image.instances[i].visible_fraction; });
+}
+
+double share(const BopPasses& passes) {
+  return static_cast<double>(std::count(passes.begin(), passes.end(), true)) / kBopThresholds;
+}
+
+// The mean of a number over targets; recall and mean recall are such means.
+template <typename Number>
+BopRate mean_over(std::span<const BopTarget* const> targets, const Number& number,
+                  std::string_view name) {
+  std::vector<double> values;
+  for (const BopTarget* target : targets) values.push_back(number(*target));
+  if (values.empty()) return {};
+  const double sum = std::accumulate(values.begin(), values.end(), 0.0);
+  return {sum / static_cast<double>(values.size()), bca_mean_interval(values, kSeed, name)};
+}
+
+template <typename IsGood>
+BopRate rate_over(std::span<const BopTarget* const> targets, const IsGood& is_good) {
+  const auto count = std::count_if(targets.begin(), targets.end(),
+                                   [&](const BopTarget* t) { return is_good(*t); });
+  const auto all = static_cast<int64_t>(targets.size());
+  if (all == 0) return {};
+  return {static_cast<double>(count) / static_cast<double>(all), wilson_interval(count, all)};
+}
+
+ErrorSummary summary_of(std::span<const BopTarget* const> targets, double BopPair::*error,
+                        double cap, std::string_view name) {
+  std::vector<double> errors;
+  for (const BopTarget* target : targets) {
+    errors.push_back(target->chosen ? target->pairs[*target->chosen].*error : kInfinity);
+  }
+  return summarise(errors, cap, kSeed, name);
+}
+
+BopSummary summary_of(std::span<const BopTarget* const> targets, bool has_vsd) {
+  const auto mssd = [](const BopTarget& t) { return share(t.mssd); };
+  const auto mspd = [](const BopTarget& t) { return share(t.mspd); };
+  const auto vsd = [](const BopTarget& t) {
+    double sum = 0;
+    for (const BopPasses& passes : t.vsd) sum += share(passes);
+    return sum / kBopThresholds;
+  };
+  BopSummary s;
+  s.targets = static_cast<int64_t>(targets.size());
+  s.estimated = std::count_if(targets.begin(), targets.end(),
+                              [](const BopTarget* t) { return t->chosen.has_value(); });
+  s.ar_mssd = mean_over(targets, mssd, "ar_mssd");
+  s.ar_mspd = mean_over(targets, mspd, "ar_mspd");
+  if (has_vsd) {
+    const auto all = [&](const BopTarget& t) { return (mssd(t) + mspd(t) + vsd(t)) / 3; };
+    s.ar_vsd = mean_over(targets, vsd, "ar_vsd");
+    s.ar = mean_over(targets, all, "ar");
+  }
+  s.add = rate_over(targets, [](const BopTarget& t) { return t.is_add_good; });
+  s.adi = rate_over(targets, [](const BopTarget& t) { return t.is_adi_good; });
+  s.projection_5px = rate_over(targets, [](const BopTarget& t) {
+    return t.chosen && t.pairs[*t.chosen].projection_px < kGoodProjectionPx;
+  });
+  s.within_5deg_5cm = rate_over(targets, [](const BopTarget& t) {
+    return t.chosen && t.pairs[*t.chosen].is_within_5deg_5cm;
+  });
+  for (int i = 0; i < kBopThresholds; ++i) {
+    s.mssd_recalls[i] = rate_over(targets, [i](const BopTarget& t) { return t.mssd[i]; }).value;
+    s.mspd_recalls[i] = rate_over(targets, [i](const BopTarget& t) { return t.mspd[i]; }).value;
+  }
+  s.theta_error_deg = summary_of(targets, &BopPair::theta_error_deg, kAngleCapDeg, "theta");
+  s.t_error_percent = summary_of(targets, &BopPair::t_error_percent, kTranslationCapPercent, "t");
+  s.geodesic_deg = summary_of(targets, &BopPair::geodesic_deg, kAngleCapDeg, "geodesic");
+  s.speed_score = summary_of(targets, &BopPair::speed_score, kSpeedScoreCap, "speed");
+  s.speed_plus_score = summary_of(targets, &BopPair::speed_plus_score, kSpeedScoreCap, "speed+");
+  return s;
+}
+
+}  // namespace
+
+BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> estimates,
+                    double vsd_delta_mm, const std::function<void()>& tick) {
+  std::map<std::tuple<int, int, int>, std::vector<size_t>> by_object;
+  for (size_t i = 0; i < estimates.size(); ++i) {
+    const BopEstimate& e = estimates[i];
+    by_object[{e.scene_id, e.im_id, e.obj_id}].push_back(i);
+  }
+  BopScores scores;
+  scores.has_vsd = std::none_of(dataset.images.begin(), dataset.images.end(),
+                                [](const BopImage& image) { return image.depth_file.empty(); });
+  scores.ignored_estimates = estimates.size();
+  for (size_t i = 0; i < dataset.images.size(); ++i) {
+    const BopImage& image = dataset.images[i];
+    std::optional<Views> views;
+    for (const auto& [obj_id, count] : image.targets) {
+      const std::vector<size_t> counting =
+          greatest(by_object[{image.scene_id, image.im_id, obj_id}], count,
+                   [&](size_t e) { return estimates[e].score; });
+      scores.ignored_estimates -= counting.size();
+      Group group(image, dataset.models.at(obj_id), estimates, counting,
+                  instances_asked(image, obj_id, count));
+      if (scores.has_vsd && !counting.empty()) {
+        if (!views) views.emplace(image);
+        group.add_vsd(*views, vsd_delta_mm);
+      }
+      for (BopTarget& target : group.targets(i, obj_id))
+        scores.targets.push_back(std::move(target));
+    }
+    tick();
+  }
+  return scores;
+}
+
+BopSummary summarise(const BopScores& scores) {
+  std::vector<const BopTarget*> targets;
+  for (const BopTarget& target : scores.targets) targets.push_back(&target);
+  return summary_of(targets, scores.has_vsd);
+}
+
+std::map<int, BopSummary> summarise_by_object(const BopScores& scores) {
+  std::map<int, std::vector<const BopTarget*>> by_object;
+  for (const BopTarget& target : scores.targets) by_object[target.obj_id].push_back(&target);
+  std::map<int, BopSummary> summaries;
+  for (const auto& [obj_id, targets] : by_object) {
+    summaries[obj_id] = summary_of(targets, scores.has_vsd);
+  }
+  return summaries;
+}
+
+}  // namespace sightline

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "eval/datasets/bop/dataset.h"
+#include "eval/datasets/bop/results_csv.h"
+#include "eval/statistics/statistics.h"
+
+namespace sightline {
+
+constexpr int kBopThresholds = 10;
+using BopPasses = std::array<bool, kBopThresholds>;
+
+/// The i-th threshold: of MSSD, VSD's tau (both of the diameter) and VSD's theta 0.05, 0.1, ...
+/// 0.5; of MSPD, px in an image 640 px wide, 5, 10, ... 50.
+constexpr double bop_fraction(int i) {
+  return 0.05 + i * 0.05;  // rounded as the challenge's own list
+}
+constexpr double bop_pixels(int i) {
+  return 5.0 * (i + 1);
+}
+
+/// An estimate against a true pose of the same object in the same image.
+struct BopPair {
+  size_t estimate = 0;  ///< index in the results
+  size_t instance = 0;  ///< index in the image
+  double mssd_mm = 0;
+  double mspd_px = 0;  ///< of this image's pixels
+  double add_mm = 0;
+  double adi_mm = 0;
+  std::vector<double> vsd;  ///< one a tau; empty where the image has no depth
+  double projection_px = 0;
+  // Ours, and what other benchmarks judge by, against the true pose at the symmetry that is
+  // nearest.
+  double theta_error_deg = 0;
+  double t_error_percent = 0;
+  double geodesic_deg = 0;
+  double speed_score = 0;
+  double speed_plus_score = 0;
+  bool is_within_5deg_5cm = false;
+};
+
+/// What became of one instance that the data set asks for.
+struct BopTarget {
+  size_t image = 0;     ///< index in the data set
+  size_t instance = 0;  ///< index in the image
+  int obj_id = 0;
+  BopPasses mssd{}, mspd{};                     ///< below each threshold
+  std::array<BopPasses, kBopThresholds> vsd{};  ///< [tau][theta]
+  bool is_add_good = false;                     ///< below a tenth of the diameter
+  bool is_adi_good = false;
+  std::vector<BopPair> pairs;    ///< with every estimate that counts
+  std::optional<size_t> chosen;  ///< of those the one that our own errors are of, if any
+};
+
+struct BopScores {
+  std::vector<BopTarget> targets;
+  size_t ignored_estimates = 0;  ///< of what is not asked for, or beyond the number of instances
+  bool has_vsd = true;           ///< every image with a target has depth
+};
+
+/// Scores estimates as the BOP challenge of 2019 and later does (task: localisation of a known
+/// number of instances): of every object in an image count as many estimates as instances are asked
+/// for, those of the highest scores, and as truth as many instances, the most visible. For every
+/// error and threshold the estimates, best score first, each take the free instance with the least
+/// error below the threshold. Our own errors are of the same without a threshold, by MSSD. `tick`
+/// is called for every image.
+/// VSD deviates where an estimate has vertices behind the camera: it then sees nothing.
+BopScores score_bop(
+    const BopDataset& dataset, std::span<const BopEstimate> estimates, double vsd_delta_mm,
+    const std::function<void()>& tick = [] {});
+
+/// The greatest SPEED score that is told apart: an attitude upside down, and a position that errs
+/// by its own length. A target that is missed counts so.
+constexpr double kSpeedScoreCap = std::numbers::pi + 1;
+
+/// A rate or a mean, with its 95 % interval.
+struct BopRate {
+  double value = kNoNumber;
+  Interval95 ci95 = kNoInterval;
+};
+
+/// Average recalls of some targets; a target without an estimate is missed. What needs VSD is NaN
+/// without depth.
+struct BopSummary {
+  int64_t targets = 0;
+  int64_t estimated = 0;  ///< targets that have an estimate
+  BopRate ar, ar_mssd, ar_mspd, ar_vsd;
+  BopRate add, adi;  ///< recall at a tenth of the diameter
+  BopRate projection_5px, within_5deg_5cm;
+  std::array<double, kBopThresholds> mssd_recalls{}, mspd_recalls{};
+  ErrorSummary theta_error_deg, t_error_percent, geodesic_deg;  ///< a missed one has failed
+  ErrorSummary speed_score, speed_plus_score;                   ///< alike
+};
+
+BopSummary summarise(const BopScores& scores);
+/// The same of each object's targets.
+std::map<int, BopSummary> summarise_by_object(const BopScores& scores);
+
+}  // namespace sightline

@@ -1,0 +1,388 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/score/score_report.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+#include <kainjow/mustache.hpp>
+
+#include "eval/output/text.h"
+#include "eval/report/distributions.h"
+#include "eval/report/page.h"
+#include "eval/score/score_pictures.h"
+#include "eval/summary/summary.h"
+
+namespace sightline {
+namespace {
+
+namespace mustache = kainjow::mustache;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr size_t kMostObjects = 12;  // with curves of their own
+constexpr size_t kMostWorst = 30;
+constexpr size_t kMostPictures = 12;  // of them
+
+constexpr const char* kAnswer = R"html(
+<p class="question">How good are the poses of {{results}}?</p>
+<p class="lead">{{lead}}</p>
+<ul class="findings">
+{{#findings}}<li>{{name}}: <b>{{value}}</b> <span class="interval">{{interval}}</span></li>
+{{/findings}}
+</ul>
+<p>{{counts}}</p>
+<p class="note">In brackets 95&nbsp;% intervals over the instances. <a
+href="#definitions">Definitions</a> stand at the end.</p>
+)html";
+
+constexpr const char* kTable = R"html(
+<div class="scroll" role="region" aria-label="{{label}}, table" tabindex="0">
+<table>
+<caption><span>{{caption}}</span></caption>
+<thead><tr>{{#columns}}<th scope="col">{{.}}</th>{{/columns}}</tr></thead>
+<tbody>
+{{#rows}}
+<tr>{{#head}}<th scope="row">{{.}}</th>{{/head}}{{#cells}}<td>{{value}} <span
+class="interval">{{interval}}</span></td>{{/cells}}</tr>
+{{/rows}}
+</tbody>
+</table>
+</div>
+)html";
+
+constexpr const char* kDefinitions = R"html(
+<dl class="facts">
+{{#facts}}<dt>{{key}}</dt><dd>{{value}}</dd>
+{{/facts}}
+</dl>
+<ul>
+<li>Instances: those that the data set asks for. Of every object in an image count as many estimates
+as instances are asked for, those of the highest scores; each takes, best score first, the free
+instance with the least error below the threshold. An instance without one is missed: it is in every
+denominator.</li>
+<li>MSSD: the greatest distance between a vertex in the estimated and in the true pose, at the
+symmetry where it is least. MSPD: the same of projected vertices, in pixels of an image 640 pixels
+wide. VSD: the share of visible surface whose distance differs by more than <i>τ</i>.</li>
+<li>AR: the mean recall over the thresholds: MSSD 5 to 50 % of the diameter, MSPD 5 to 50 px, VSD
+<i>τ</i> 5 to 50 % of the diameter and <i>θ</i> 0.05 to 0.5; AR is the mean of the three (BOP
+Challenge 2019 and later, localisation of a known number of instances).</li>
+<li>ADD and ADI: mean distance of the vertices, to the same and to the nearest vertex; good below a
+tenth of the diameter. Neither knows symmetries.</li>
+<li>2D projection: mean distance of the vertices’ pixels, good below 5 px. 5° 5 cm: attitude and
+position err by less. SPEED: the geodesic angle in radians plus the distance of the positions over the
+true one’s length; SPEED+: with an angle below 0.169° and a distance below 0.2173 % each counting as
+zero; of both a missed instance counts as π + 1. All at the nearest symmetry.</li>
+<li><i>θ</i> error, <i>T</i> error: root mean squares of the three attitude angles’ errors, and of
+the components of the translation’s error over the distance, as the ORPE paper defines them; geodesic
+error: the angle of the one rotation between the two attitudes. Each against the true pose at the
+nearest symmetry. A missed instance errs by more than any other.</li>
+<li>All estimates stand in errors.csv, all figures in scores.json.</li>
+</ul>
+)html";
+
+// One of our own errors, of the pair that counts.
+struct PairError {
+  std::string id;
+  std::string label;
+  double cap = 0;
+  double (*of)(const BopPair& pair, const BopModel& model);
+};
+
+std::vector<PairError> pair_errors() {
+  return {{"theta", "θ error, °", kAngleCapDeg,
+           [](const BopPair& p, const BopModel&) { return p.theta_error_deg; }},
+          {"t", "T error, %", kTranslationCapPercent,
+           [](const BopPair& p, const BopModel&) { return p.t_error_percent; }},
+          {"geodesic", "Geodesic error, °", kAngleCapDeg,
+           [](const BopPair& p, const BopModel&) { return p.geodesic_deg; }},
+          {"mssd", "MSSD, % of the diameter", 50,
+           [](const BopPair& p, const BopModel& m) { return 100 * p.mssd_mm / m.diameter_mm; }},
+          {"mspd", "MSPD, px of the image", 50,
+           [](const BopPair& p, const BopModel&) { return p.mspd_px; }}};
+}
+
+const BopPair* chosen_of(const BopTarget& target) {
+  return target.chosen ? &target.pairs[*target.chosen] : nullptr;
+}
+
+std::string object_name(int obj_id) {
+  return fmt::format("object {}", obj_id);
+}
+
+// All instances, then each object's where there are several.
+std::vector<std::pair<std::string, BopSummary>> summaries_of(const BopScores& scores) {
+  std::vector<std::pair<std::string, BopSummary>> summaries = {{"all", summarise(scores)}};
+  const auto by_object = summarise_by_object(scores);
+  if (by_object.size() < 2) return summaries;
+  for (const auto& [obj_id, summary] : by_object) {
+    summaries.emplace_back(object_name(obj_id), summary);
+  }
+  return summaries;
+}
+
+// ---- charts
+
+ChartSeries recall_series(const std::string& label, int style,
+                          const std::array<double, kBopThresholds>& recalls, double (*x)(int),
+                          int64_t targets) {
+  ChartSeries series{.label = label, .style = style};
+  for (int i = 0; i < kBopThresholds; ++i) {
+    const auto good = std::llround(recalls[i] * static_cast<double>(targets));
+    const Interval95 ci95 = wilson_interval(good, targets);
+    series.x.push_back(x(i));
+    series.y.push_back(100 * recalls[i]);
+    series.low.push_back(100 * ci95[0]);
+    series.high.push_back(100 * ci95[1]);
+    series.count.push_back(static_cast<double>(targets));
+  }
+  return series;
+}
+
+using Recalls = std::array<double, kBopThresholds> BopSummary::*;
+
+Chart recall_chart(const ScoreReportInput& input, const std::string& id, const std::string& error,
+                   const std::string& unit, Recalls recalls, double (*x)(int)) {
+  Chart chart;
+  chart.id = chart.group = "recall-" + id;
+  chart.title = fmt::format("Instances found, by the {} allowed", error);
+  chart.note =
+      "Bands: 95 % of the rate (Wilson). The mean over the thresholds is AR_" + error + ".";
+  chart.x.label = fmt::format("{} allowed, {}", error, unit);
+  chart.y = {.label = "recall, %", .low = 0, .high = 100};
+  const auto summaries = summaries_of(input.scores);
+  for (size_t i = 0; i < std::min(summaries.size(), kMostObjects + 1); ++i) {
+    const auto& [name, summary] = summaries[i];
+    chart.series.push_back(
+        recall_series(name, static_cast<int>(i), summary.*recalls, x, summary.targets));
+  }
+  return chart;
+}
+
+std::vector<Chart> recall_charts(const ScoreReportInput& input) {
+  const auto percent = [](int i) { return 100 * bop_fraction(i); };
+  return {
+      recall_chart(input, "mssd", "MSSD", "% of the diameter", &BopSummary::mssd_recalls, percent),
+      recall_chart(input, "mspd", "MSPD", "px at a width of 640", &BopSummary::mspd_recalls,
+                   bop_pixels)};
+}
+
+std::vector<ErrorSample> samples_of(const ScoreReportInput& input, const PairError& error) {
+  std::vector<ErrorSample> samples = {{"all", 0, {}}};
+  std::map<int, std::vector<double>> by_object;
+  for (const BopTarget& target : input.scores.targets) {
+    const BopPair* pair = chosen_of(target);
+    const double value =
+        pair == nullptr ? kInfinity : error.of(*pair, input.truth.models.at(target.obj_id));
+    samples.front().errors.push_back(value);
+    by_object[target.obj_id].push_back(value);
+  }
+  if (by_object.size() < 2) return samples;
+  for (const auto& [obj_id, errors] : by_object) {
+    if (samples.size() > kMostObjects) break;
+    samples.push_back({object_name(obj_id), static_cast<int>(samples.size()), errors});
+  }
+  return samples;
+}
+
+std::vector<Chart> error_charts(const ScoreReportInput& input, const std::string& group,
+                                DistributionChart chart_of) {
+  std::vector<Chart> charts;
+  for (const PairError& error : pair_errors()) {
+    Chart chart = chart_of(error.label, error.cap, samples_of(input, error));
+    chart.group = group;
+    chart.id = fmt::format("{}-{}", group, error.id);
+    chart.option = error.label;
+    charts.push_back(std::move(chart));
+  }
+  return charts;
+}
+
+// ---- text
+
+mustache::object rate_cell(const BopRate& rate) {
+  return {{"value", fixed(rate.value, 3)}, {"interval", interval(rate.ci95, 3)}};
+}
+
+mustache::object median_cell(const ErrorSummary& error) {
+  return {{"value", measure(error.median)},
+          {"interval", interval(error.median_ci95, decimals_for(error.median))}};
+}
+
+mustache::object named(std::string name, mustache::object cell, const std::string& unit = "") {
+  cell["name"] = std::move(name);
+  if (!unit.empty()) cell["value"] = cell["value"].string_value() + unit;
+  return cell;
+}
+
+std::string lead(const BopSummary& all) {
+  if (all.targets == 0) return "The data set asks for no instance.";
+  const bool has_vsd = all.ar.value == all.ar.value;
+  const BopRate& rate = has_vsd ? all.ar : all.ar_mssd;
+  return fmt::format("{}: {} {}.{}", has_vsd ? "Average recall" : "Average recall of MSSD",
+                     fixed(rate.value, 3), interval(rate.ci95, 3),
+                     has_vsd ? "" : " Images without depth have no VSD, and so no AR.");
+}
+
+std::string counts(const ScoreReportInput& input, const BopSummary& all) {
+  std::string text = fmt::format("{} of {} are missed: they have no estimate.",
+                                 all.targets - all.estimated, counted(all.targets, "instance"));
+  if (input.scores.ignored_estimates > 0) {
+    text += fmt::format(" {} of {} are of nothing that is asked for, or more than are.",
+                        input.scores.ignored_estimates,
+                        counted(static_cast<int64_t>(input.estimates.size()), "estimate"));
+  }
+  return text;
+}
+
+std::string answer_html(const ScoreReportInput& input) {
+  const BopSummary all = summarise(input.scores);
+  mustache::data findings(mustache::data::type::list);
+  findings << named("AR_MSSD", rate_cell(all.ar_mssd)) << named("AR_MSPD", rate_cell(all.ar_mspd));
+  if (input.scores.has_vsd) findings << named("AR_VSD", rate_cell(all.ar_vsd));
+  findings << named("ADD below a tenth of the diameter", rate_cell(all.add))
+           << named("median θ error", median_cell(all.theta_error_deg), "°")
+           << named("median T error", median_cell(all.t_error_percent), " %")
+           << named("median geodesic error", median_cell(all.geodesic_deg), "°");
+  return mustache::mustache(kAnswer).render(mustache::object{{"results", input.results},
+                                                             {"lead", lead(all)},
+                                                             {"findings", findings},
+                                                             {"counts", counts(input, all)}});
+}
+
+std::string table_html(const std::string& label, const std::string& caption,
+                       const std::vector<std::string>& columns, mustache::data rows) {
+  mustache::data names(mustache::data::type::list);
+  for (const std::string& column : columns) names << column;
+  return mustache::mustache(kTable).render(mustache::object{
+      {"label", label}, {"caption", caption}, {"columns", names}, {"rows", std::move(rows)}});
+}
+
+std::string objects_html(const ScoreReportInput& input) {
+  mustache::data rows(mustache::data::type::list);
+  for (const auto& [name, s] : summaries_of(input.scores)) {
+    mustache::data cells(mustache::data::type::list);
+    cells << mustache::object{{"value", fmt::to_string(s.targets)}, {"interval", ""}}
+          << mustache::object{{"value", fmt::to_string(s.targets - s.estimated)}, {"interval", ""}};
+    for (const BopRate& rate : {s.ar, s.ar_mssd, s.ar_mspd, s.ar_vsd, s.add, s.adi,
+                                s.projection_5px, s.within_5deg_5cm}) {
+      cells << rate_cell(rate);
+    }
+    for (const ErrorSummary* error : {&s.theta_error_deg, &s.t_error_percent, &s.geodesic_deg}) {
+      cells << median_cell(*error);
+    }
+    for (const ErrorSummary* score : {&s.speed_score, &s.speed_plus_score}) {
+      cells << rate_cell({score->mean, score->mean_ci95});
+    }
+    rows << mustache::object{{"head", name}, {"cells", cells}};
+  }
+  return table_html(
+      "Scores",
+      "Recalls, medians of our own errors in which a missed instance counts as infinite, "
+      "and mean scores of SPEED and SPEED+, with 95 % intervals in brackets.",
+      {"", "instances", "missed", "AR", "AR_MSSD", "AR_MSPD", "AR_VSD", "ADD", "ADI",
+       "2D projection", "5° 5 cm", "θ error, °", "T error, %", "geodesic, °", "SPEED", "SPEED+"},
+      std::move(rows));
+}
+
+// From the worst on; a missed instance has nothing to look at.
+std::vector<const BopTarget*> worst_of(const ScoreReportInput& input) {
+  std::vector<const BopTarget*> worst;
+  for (const BopTarget& target : input.scores.targets) {
+    if (target.chosen) worst.push_back(&target);
+  }
+  const auto relative = [&](const BopTarget* target) {
+    return chosen_of(*target)->mssd_mm / input.truth.models.at(target->obj_id).diameter_mm;
+  };
+  std::stable_sort(worst.begin(), worst.end(), [&](const BopTarget* a, const BopTarget* b) {
+    return relative(a) > relative(b);
+  });
+  if (worst.size() > kMostWorst) worst.resize(kMostWorst);
+  return worst;
+}
+
+std::string worst_html(const ScoreReportInput& input) {
+  mustache::data rows(mustache::data::type::list);
+  for (const BopTarget* target : worst_of(input)) {
+    const BopPair& pair = *chosen_of(*target);
+    const BopImage& image = input.truth.images[target->image];
+    const BopEstimate& estimate = input.estimates[pair.estimate];
+    const double diameter_mm = input.truth.models.at(target->obj_id).diameter_mm;
+    mustache::data cells(mustache::data::type::list);
+    const std::vector<std::string> values = {fmt::to_string(image.im_id),
+                                             fmt::to_string(target->obj_id),
+                                             fmt::to_string(target->instance),
+                                             fmt::to_string(estimate.line),
+                                             fmt::format("{:.3g}", estimate.score),
+                                             measure(100 * pair.mssd_mm / diameter_mm),
+                                             measure(pair.mspd_px),
+                                             measure(100 * pair.add_mm / diameter_mm),
+                                             measure(pair.theta_error_deg),
+                                             measure(pair.t_error_percent),
+                                             measure(pair.geodesic_deg)};
+    for (const std::string& value : values) {
+      cells << mustache::object{{"value", value}, {"interval", ""}};
+    }
+    rows << mustache::object{{"head", fmt::to_string(image.scene_id)}, {"cells", cells}};
+  }
+  return table_html("Worst estimates",
+                    "The estimates with the greatest MSSD over the diameter, and their lines in "
+                    "the results file.",
+                    {"scene", "image", "object", "instance", "line", "score", "MSSD, %", "MSPD, px",
+                     "ADD, %", "θ error, °", "T error, %", "geodesic, °"},
+                    std::move(rows));
+}
+
+std::string pictures_html(const ScoreReportInput& input) {
+  const std::vector<const BopTarget*> worst = worst_of(input);
+  const size_t count = std::min(worst.size(), kMostPictures);
+  return score_pictures(input.truth, std::span(worst).first(count), input.estimates);
+}
+
+std::string definitions_html(const ScoreReportInput& input) {
+  mustache::data facts(mustache::data::type::list);
+  const auto add = [&](const std::string& key, const std::string& value) {
+    facts << mustache::object{{"key", key}, {"value", value}};
+  };
+  add("version", SIGHTLINE_VERSION);
+  add("results", input.results);
+  add("data set", input.dataset);
+  add("estimates", fmt::to_string(input.estimates.size()));
+  add("VSD’s δ", fmt::format("{} mm", input.vsd_delta_mm));
+  return mustache::mustache(kDefinitions).render(mustache::object{{"facts", facts}});
+}
+
+std::vector<PageSection> sections_of(const ScoreReportInput& input) {
+  return {
+      {"answer", "Answer", answer_html(input), {}},
+      {"scores", "Scores by object", objects_html(input), {}},
+      {"recalls", "Recall by threshold", "", recall_charts(input)},
+      {"cumulative", "Cumulative errors", "", error_charts(input, "cumulative", cumulative_chart)},
+      {"boxes", "Spread of the errors", "", error_charts(input, "boxes", box_chart)},
+      {"worst", "Worst estimates", worst_html(input) + pictures_html(input), {}},
+      {"definitions", "Provenance and definitions", definitions_html(input), {}}};
+}
+
+}  // namespace
+
+std::vector<Chart> score_charts(const ScoreReportInput& input) {
+  std::vector<Chart> charts = recall_charts(input);
+  for (std::vector<Chart> more : {error_charts(input, "cumulative", cumulative_chart),
+                                  error_charts(input, "boxes", box_chart)}) {
+    std::move(more.begin(), more.end(), std::back_inserter(charts));
+  }
+  return charts;
+}
+
+std::string score_report(const ScoreReportInput& input) {
+  const auto targets = static_cast<int64_t>(input.scores.targets.size());
+  const std::string given =
+      fmt::format("Estimates <code>{}</code> against <code>{}</code>: {}, version {}.",
+                  escape_html(input.results), escape_html(input.dataset),
+                  counted(targets, "instance"), SIGHTLINE_VERSION);
+  return render_page({"Scores of " + input.results, given, "", sections_of(input)});
+}
+
+}  // namespace sightline

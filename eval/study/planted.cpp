@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/study/planted.h"
+
+#include <fmt/format.h>
+
+namespace sightline {
+
+std::vector<std::pair<int, int>> mirrored_pairs(const Target& target,
+                                                std::span<const int> features) {
+  // Mirrored points of a target's file agree to its printed digits.
+  constexpr double kMirrorToleranceM = 1e-5;
+  std::vector<std::pair<int, int>> pairs;
+  const int count = static_cast<int>(features.size());
+  const auto position_of = [&](int place) -> const Eigen::Vector3d& {
+    return target.features[features[place]].position_m;
+  };
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector3d mirrored = position_of(i).cwiseProduct(Eigen::Vector3d(1, -1, 1));
+    for (int j = i + 1; j < count; ++j) {
+      if ((position_of(j) - mirrored).norm() < kMirrorToleranceM) pairs.emplace_back(i, j);
+    }
+  }
+  return pairs;
+}
+
+std::string why_not_plantable(const PlantedOutliers& law, int outliers, const Target& target,
+                              std::span<const int> features) {
+  if (law.law != OutlierLaw::kSwapped) return "";
+  if (outliers % 2 != 0) {
+    return fmt::format(
+        "is \"swapped\", which makes outliers in pairs: their number is {}, must be "
+        "even",
+        outliers);
+  }
+  const size_t points = 2 * mirrored_pairs(target, features).size();
+  if (static_cast<size_t>(outliers) <= points) return "";
+  return fmt::format(
+      "is \"swapped\", but only {} of the features mirror each other in y = 0, too few for {} "
+      "outliers",
+      points, outliers);
+}
+
+}  // namespace sightline

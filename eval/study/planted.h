@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The outliers that a numeric study plants among its exact observations.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "eval/study/outlier_model.h"
+#include "scenes/scene/scene_law.h"
+#include "scenes/target/target.h"
+
+namespace sightline {
+
+/// How a numeric study displaces the points that it makes outliers, on top of their noise.
+enum class OutlierLaw {
+  kUniform,    ///< in a uniform direction, by a size uniform in the range
+  kFixed,      ///< in a uniform direction, by the upper end of the range
+  kClustered,  ///< all of a trial by one displacement, drawn as kUniform
+  kSwapped,    ///< pairs of points that mirror each other in y = 0 exchange their pixels
+  kModel,      ///< as measured in a trial of an image study, drawn from its outliers.json
+};
+
+struct PlantedOutliers {
+  OutlierLaw law = OutlierLaw::kUniform;
+  Range size_px{15, 30};
+  std::shared_ptr<const OutlierModel> model;  ///< of kModel
+};
+
+/// Pairs of these features (indices into the target's) that mirror each other in the target's plane
+/// y = 0, port and starboard; a pair names them by their places in `features`.
+std::vector<std::pair<int, int>> mirrored_pairs(const Target& target,
+                                                std::span<const int> features);
+
+/// Why the law cannot make so many of these features outliers, in words for the user; empty when it
+/// can.
+std::string why_not_plantable(const PlantedOutliers& law, int outliers, const Target& target,
+                              std::span<const int> features);
+
+}  // namespace sightline

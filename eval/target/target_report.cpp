@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/target/target_report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "eval/target/silhouette.h"
+#include "eval/target/target_proposal.h"
+#include "pose/attitude.h"
+#include "renderer/renderer.h"
+#include "scenes/files/input_error.h"
+#include "scenes/mesh/mesh_inspection.h"
+#include "scenes/target/target.h"
+
+namespace sightline {
+namespace {
+
+constexpr size_t kMaxListedParts = 40;
+constexpr int kPictureWidth = 960;
+constexpr int kPictureHeight = 640;
+
+bool is_mesh_file(const std::string& name_or_path) {
+  const std::filesystem::path path = name_or_path;
+  return path.has_extension() && path.extension() != ".toml";
+}
+
+std::string closedness(const MeshInspection& mesh) {
+  if (mesh.closed_components == mesh.components) return "closed";
+  return fmt::format("open: {} of {} pieces are closed, {} open edges", mesh.closed_components,
+                     mesh.components, mesh.open_edges);
+}
+
+std::string orientation(const MeshInspection& mesh) {
+  if (mesh.flipped_edges > 0 || mesh.inward_components > 0) {
+    return fmt::format("{} edges whose faces disagree, {} closed pieces inside out",
+                       mesh.flipped_edges, mesh.inward_components);
+  }
+  return mesh.closed_components == mesh.components ? "outward" : "agree with their neighbours";
+}
+
+std::string mesh_text(const Target& target, const MeshInspection& mesh) {
+  const Eigen::Vector3d size = mesh.bounds.max_m - mesh.bounds.min_m;
+  std::string out;
+  out += fmt::format("size       {:.3f} x {:.3f} x {:.3f} m (x, y, z), radius {:.3f} m\n", size.x(),
+                     size.y(), size.z(), mesh.radius_m);
+  out += fmt::format("mesh       {} triangles, {} vertices, {} pieces, {} parts\n", mesh.triangles,
+                     mesh.vertices, mesh.components, mesh.parts.size());
+  out += fmt::format("surface    {}; {} edges shared by three faces or more\n", closedness(mesh),
+                     mesh.non_manifold_edges);
+  out += fmt::format("normals    {}\n", orientation(mesh));
+  out += fmt::format("sharp      {} edges turn by {} deg or more, {:.1f} m in all\n",
+                     mesh.sharp_edges, kSharpAngleDeg, mesh.sharp_length_m);
+  out += fmt::format(
+      "cleaned    {} vertices welded, {} degenerate and {} duplicate triangles dropped\n",
+      target.cleaning.welded_vertices, target.cleaning.degenerate_triangles,
+      target.cleaning.duplicate_triangles);
+  return out;
+}
+
+std::string parts_text(const MeshInspection& mesh) {
+  std::string out = "\n  id  part                          triangles   area m2  albedo\n";
+  for (size_t i = 0; i < std::min(mesh.parts.size(), kMaxListedParts); ++i) {
+    const MeshInspection::PartSummary& part = mesh.parts[i];
+    out += fmt::format("{:>4}  {:<28} {:>10} {:>9.2f} {:>7.2f}\n", i + 1, part.name, part.triangles,
+                       part.area_m2, part.albedo);
+  }
+  if (mesh.parts.size() > kMaxListedParts) {
+    out += fmt::format("      and {} more\n", mesh.parts.size() - kMaxListedParts);
+  }
+  return out;
+}
+
+std::string features_text(const Target& target) {
+  if (target.features.empty()) return "";
+  std::string out = "\nfeature                         kind                 position m\n";
+  for (const TargetFeature& feature : target.features) {
+    const Eigen::Vector3d& p = feature.position_m;
+    out += fmt::format("{:<30}  {:<18} {:>8.3f} {:>8.3f} {:>8.3f}\n", feature.name,
+                       to_string(feature.kind), p.x(), p.y(), p.z());
+  }
+  return out;
+}
+
+// How far a rounded edge shows beside the crease that a feature is.
+std::string silhouettes_text(const Target& target) {
+  if (target.features.empty()) return "";
+  std::string out = fmt::format(
+      "\nThe outline beside each feature, over those of {} views from all sides that show it, "
+      "{:.0f} px"
+      "\nto the diagonal of the target's box:\n\n"
+      "feature                         views  median px  max px  median m   max m\n",
+      kSilhouetteViews, kSilhouetteSizePx);
+  std::vector<int> features(target.features.size());
+  std::iota(features.begin(), features.end(), 0);
+  const std::vector<SilhouetteOffset> offsets =
+      silhouette_offsets(target, features, views_all_round(target));
+  for (size_t i = 0; i < offsets.size(); ++i) {
+    const SilhouetteOffset& offset = offsets[i];
+    out += fmt::format("{:<30}  {:>5}", target.features[i].name, offset.views);
+    if (offset.views > 0) {
+      out += fmt::format("  {:>9.3f} {:>7.3f} {:>9.4f} {:>7.4f}", offset.median_px,
+                         offset.greatest_px, offset.median_m, offset.greatest_m);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace
+
+Scene picture_scene(const std::shared_ptr<const Target>& target,
+                    const std::vector<double>& theta_deg) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  Scene scene;
+  scene.target = target;
+  scene.cam_from_target.rotation = rotation_from_attitude(
+      {theta_deg[0] * kDegree, theta_deg[1] * kDegree, theta_deg[2] * kDegree});
+  const Bounds box = bounds(target->mesh);
+  const Eigen::Vector3d centre = (box.min_m + box.max_m) / 2;
+  const double distance_m = 20 * (box.max_m - box.min_m).norm();
+  scene.cam_from_target.translation =
+      Eigen::Vector3d(0, 0, distance_m) - scene.cam_from_target.rotation * centre;
+  scene.camera = centred_camera(kPictureWidth, kPictureHeight, 1.0);
+  Eigen::AlignedBox2d spread;  // of the pixels for a focal length of one pixel
+  for (const Eigen::Vector3d& vertex : target->mesh.vertices) {
+    const Eigen::Vector3d x = scene.cam_from_target * vertex;
+    spread.extend(Eigen::Vector2d(std::abs(x.x() / x.z()), std::abs(x.y() / x.z())));
+  }
+  const double focal_px =
+      0.46 * std::min(kPictureWidth / spread.max().x(), kPictureHeight / spread.max().y());
+  scene.camera = centred_camera(kPictureWidth, kPictureHeight, focal_px);
+  scene.light = {.to_light_in_cam = Eigen::Vector3d(-0.4, -0.5, -0.75).normalized(),
+                 .ambient = 0.25,
+                 .directional = 0.7};  // together below 1: a white target keeps its shades
+  scene.sensor = {.psf_sigma_px = 0.5, .read_noise_grey = 0, .full_well_electrons = 0, .bits = 8};
+  return scene;
+}
+
+void write_picture(const cv::Mat& image, const std::string& file) {
+  if (std::filesystem::path(file).extension() != ".png") {
+    throw InputError(fmt::format("--picture {}: must end in .png", file));
+  }
+  bool is_written = false;
+  try {
+    is_written = cv::imwrite(file, image);
+  } catch (const cv::Exception&) {
+  }
+  if (!is_written) throw InputError(fmt::format("--picture {}: cannot be written", file));
+}
+
+namespace {
+
+MeshFrame frame_of(const TargetArguments& arguments) {
+  const bool has_frame = !(arguments.forward + arguments.up + arguments.unit).empty();
+  if (has_frame && !is_mesh_file(arguments.target)) {
+    throw InputError(
+        fmt::format("target {}: --forward, --up and --unit are for mesh files; a "
+                    "target says itself how its mesh lies",
+                    arguments.target));
+  }
+  MeshFrame frame;
+  if (!arguments.forward.empty()) frame.forward = arguments.forward;
+  if (!arguments.up.empty()) frame.up = arguments.up;
+  if (!arguments.unit.empty()) frame.unit_m = unit_named(arguments.unit);
+  return frame;
+}
+
+}  // namespace
+
+std::string report_target(const TargetArguments& arguments) {
+  for (const double angle : arguments.theta_deg) {
+    if (!std::isfinite(angle)) throw InputError(fmt::format("--theta: {} is not finite", angle));
+  }
+  const std::shared_ptr<const Target> target = load_target(arguments.target, frame_of(arguments));
+  const MeshInspection mesh = inspect(target->mesh);
+  std::string out = target->name;
+  if (!target->description.empty()) out += ": " + target->description;
+  out += "\n\n" + mesh_text(*target, mesh) + parts_text(mesh) + features_text(*target) +
+         silhouettes_text(*target);
+  if (arguments.propose) return out + propose_target(target, arguments);
+  if (!arguments.picture.empty()) {
+    const Scene scene = picture_scene(target, arguments.theta_deg);
+    write_picture(Renderer().render(scene, RandomStream(0, "picture", 0)).image, arguments.picture);
+    out += fmt::format("\npicture    {}\n", arguments.picture);
+  }
+  return out;
+}
+
+}  // namespace sightline

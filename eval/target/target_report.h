@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <opencv2/core/mat.hpp>
+
+#include "scenes/scene/scene.h"
+
+namespace sightline {
+
+struct TargetArguments {
+  std::string target;
+  std::string forward;  ///< for a mesh file: its axis that points forward, such as "-x"; or empty
+  std::string up;       ///< and the one that points up
+  std::string unit;     ///< and its unit, as `unit_named` takes it
+  std::string picture;  ///< a .png to draw; none if empty
+  std::vector<double> theta_deg = {-35, 25, 20};
+  std::optional<std::string> propose;  ///< a folder for a proposed target; the target's name if ""
+  int max_features = 16;               ///< of a proposal
+};
+
+/// What `sightline target` prints; draws the picture and writes the proposal if they are asked for.
+/// Throws InputError for a target that cannot be read, has nothing to propose, or a file that
+/// cannot be written.
+std::string report_target(const TargetArguments& arguments);
+
+/// A scene that fills a picture with a target through a long lens, at this attitude.
+Scene picture_scene(const std::shared_ptr<const Target>& target,
+                    const std::vector<double>& theta_deg);
+
+/// Writes an image. Throws InputError when it does not end in .png or cannot be written.
+void write_picture(const cv::Mat& image, const std::string& file);
+
+}  // namespace sightline

@@ -1,0 +1,194 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/trial/estimates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+
+#include "eval/trial/metrics.h"
+#include "pose/attitude.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180;
+
+double reprojection_rms_px(const PoseProblem& problem, const PoseEstimate& estimate) {
+  double sum = 0;
+  int count = 0;
+  for (size_t i = 0; i < problem.pixels.size(); ++i) {
+    if (std::binary_search(estimate.removed.begin(), estimate.removed.end(), static_cast<int>(i))) {
+      continue;
+    }
+    const auto pixel =
+        project(problem.camera, estimate.cam_from_target * problem.points_in_target[i]);
+    if (!pixel) return std::numeric_limits<double>::infinity();
+    sum += (*pixel - problem.pixels[i]).squaredNorm();
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 0;
+}
+
+// Which points a solver judged right and wrong, against the labels.
+void judge_removals(const TrialRecord& record, const FoundPoints& found,
+                    const PoseEstimate& estimate, EstimateRecord& out) {
+  for (size_t i = 0; i < found.slots.size(); ++i) {
+    const ObservationRecord& observation = record.observations[found.slots[i]];
+    const bool is_removed =
+        std::binary_search(estimate.removed.begin(), estimate.removed.end(), static_cast<int>(i));
+    if (is_removed) out.removed.push_back(observation.feature);
+    if (is_removed && !observation.is_outlier) ++out.false_removals;
+    if (!is_removed && observation.is_outlier) ++out.missed_outliers;
+  }
+}
+
+// The covariance that a solver reports: its own or, of the noise that it was told, the one for unit
+// noise scaled.
+std::optional<Matrix6d> reported_covariance(const PoseProblem& problem,
+                                            const PoseEstimate& estimate) {
+  const bool has_own = !estimate.covariance.isZero(0);
+  const double variance_px2 = problem.sigma_px * problem.sigma_px;
+  const Matrix6d covariance =
+      has_own ? estimate.covariance : Matrix6d(variance_px2 * estimate.unit_covariance);
+  if (covariance.isZero(0) || !covariance.allFinite()) return std::nullopt;
+  return covariance;
+}
+
+// Infinite where the covariance is none.
+double nees_of(const Pose& pose, const Pose& truth, const Matrix6d& covariance) {
+  Eigen::Matrix<double, 6, 1> error;
+  error << vector_from_rotation(pose.rotation * truth.rotation.transpose()),
+      pose.translation - truth.translation;
+  // To comparable units, for the sake of rounding.
+  const Eigen::Matrix<double, 6, 1> scale = covariance.diagonal().cwiseSqrt();
+  const Matrix6d correlation =
+      scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
+  const Eigen::LLT<Matrix6d> factor(correlation);
+  if (factor.info() != Eigen::Success) return std::numeric_limits<double>::infinity();
+  return factor.matrixL().solve(error.cwiseQuotient(scale)).squaredNorm();
+}
+
+EstimateRecord solve(const Study& study, const PoseSolver& solver, const std::string& name,
+                     const FoundPoints& found, const TrialRecord& record) {
+  PoseProblem problem = found.problem;
+  if (solver.evaluation_only) {
+    for (const int slot : found.slots) {
+      problem.true_inliers.push_back(!record.observations[slot].is_outlier);
+    }
+  }
+  const PoseEstimate estimate = solver.solve(problem, study.solver_options);
+  EstimateRecord out;
+  out.solver = name;
+  out.status = to_string(estimate.status);
+  if (estimate.status != PoseStatus::kOk) return out;
+
+  const Pose& pose = estimate.cam_from_target;
+  const Pose& truth = record.true_cam_from_target;
+  out.cam_from_target = pose;
+  out.theta_error_deg = attitude_error_rad(pose.rotation, truth.rotation) / kDegree;
+  out.t_error_percent = 100 * translation_error_fraction(pose.translation, truth.translation);
+  out.geodesic_deg = geodesic_angle_rad(pose.rotation, truth.rotation) / kDegree;
+  out.reprojection_rms_px = reprojection_rms_px(problem, estimate);
+  const VertexErrors errors = vertex_errors(study.target->mesh, problem.camera, pose, truth);
+  out.add_m = errors.add_m;
+  out.mssd_m = errors.mssd_m;
+  out.mspd_px = errors.mspd_px;
+  judge_removals(record, found, estimate, out);
+  out.covariance = reported_covariance(problem, estimate);
+  if (out.covariance) out.nees = nees_of(pose, truth, *out.covariance);
+  return out;
+}
+
+// The points at their true places; `is_moved` says which of them.
+template <typename Choice>
+FoundPoints at_truth(const FoundPoints& found, const TrialRecord& record, const Choice& is_moved) {
+  FoundPoints out = found;
+  for (size_t i = 0; i < found.slots.size(); ++i) {
+    const ObservationRecord& observation = record.observations[found.slots[i]];
+    if (is_moved(observation)) out.problem.pixels[i] = observation.true_pixel;
+  }
+  return out;
+}
+
+FoundPoints inliers_of(const FoundPoints& found, const TrialRecord& record) {
+  FoundPoints out = found;
+  out.problem.points_in_target.clear();
+  out.problem.pixels.clear();
+  out.problem.covariances_px2.clear();
+  out.slots.clear();
+  for (size_t i = 0; i < found.slots.size(); ++i) {
+    if (record.observations[found.slots[i]].is_outlier) continue;
+    out.problem.points_in_target.push_back(found.problem.points_in_target[i]);
+    out.problem.pixels.push_back(found.problem.pixels[i]);
+    if (!found.problem.covariances_px2.empty()) {
+      out.problem.covariances_px2.push_back(found.problem.covariances_px2[i]);
+    }
+    out.slots.push_back(found.slots[i]);
+  }
+  return out;
+}
+
+// Outliers get the error of an inlier of the same trial, drawn anew for each.
+FoundPoints with_noise_alone(const FoundPoints& found, const TrialRecord& record,
+                             RandomStream stream) {
+  const auto is_outlier = [](const ObservationRecord& o) { return o.is_outlier; };
+  FoundPoints out = at_truth(found, record, is_outlier);
+  const FoundPoints inliers = inliers_of(found, record);
+  if (inliers.slots.empty()) return out;
+  for (size_t i = 0; i < found.slots.size(); ++i) {
+    if (!is_outlier(record.observations[found.slots[i]])) continue;
+    const uint64_t drawn = (uint64_t{stream.bits()} * inliers.slots.size()) >> 32;
+    const ObservationRecord& inlier = record.observations[inliers.slots[drawn]];
+    out.problem.pixels[i] += inlier.pixel - inlier.true_pixel;
+  }
+  return out;
+}
+
+FoundPoints points_for(PoseInput input, const Study& study, const FoundPoints& found,
+                       const TrialRecord& record) {
+  switch (input) {
+    case PoseInput::kExact:
+      return at_truth(found, record, [](const ObservationRecord&) { return true; });
+    case PoseInput::kNoise:
+      return with_noise_alone(
+          found, record,
+          RandomStream(study.seed, "noise input", static_cast<uint64_t>(record.trial)));
+    case PoseInput::kInliers:
+      return inliers_of(found, record);
+  }
+  return found;
+}
+
+}  // namespace
+
+std::vector<EstimateRecord> estimates_of(const Study& study, const FoundPoints& found,
+                                         const TrialRecord& record) {
+  std::vector<EstimateRecord> estimates;
+  for (const PoseSolver* solver : study.solvers) {
+    estimates.push_back(solve(study, *solver, std::string(solver->name), found, record));
+  }
+  for (const PoseInput input : study.inputs) {
+    const FoundPoints points = points_for(input, study, found, record);
+    for (const PoseSolver* solver : study.solvers) {
+      if (solver->evaluation_only) continue;
+      estimates.push_back(solve(study, *solver, name_with(solver->name, input), points, record));
+    }
+  }
+  return estimates;
+}
+
+std::vector<EstimateRecord> failed_estimates(const Study& study, const std::string& reason) {
+  std::vector<EstimateRecord> estimates;
+  for (const std::string& name : study.solver_names()) {
+    EstimateRecord& estimate = estimates.emplace_back();
+    estimate.solver = name;
+    estimate.status = reason;
+  }
+  return estimates;
+}
+
+}  // namespace sightline

@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "eval/records/records.h"
+#include "eval/study/study.h"
+
+namespace sightline {
+
+/// The observations of a trial that were found, as a problem for the solvers, and which they are.
+struct FoundPoints {
+  PoseProblem problem;
+  std::vector<int> slots;  ///< point -> index into the trial's observations
+};
+
+/// What each solver of the study makes of the points, against the truth in the trial's record. Only
+/// solvers for evaluation are told which points are inliers.
+std::vector<EstimateRecord> estimates_of(const Study& study, const FoundPoints& found,
+                                         const TrialRecord& record);
+
+/// The estimates of a trial without observations: every solver failed, for that reason.
+std::vector<EstimateRecord> failed_estimates(const Study& study, const std::string& reason);
+
+}  // namespace sightline

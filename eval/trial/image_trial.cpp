@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/trial/image_trial.h"
+
+#include <optional>
+#include <utility>
+
+#include "eval/datasets/set_frame.h"
+#include "eval/trial/estimates.h"
+#include "eval/trial/labels.h"
+#include "eval/trial/passes.h"
+
+namespace sightline {
+namespace {
+
+FoundPoints found_points(const Study& study, const Trial& trial, const Pose& looked_around) {
+  FoundPoints found;
+  PoseProblem& problem = found.problem;
+  problem.camera = trial.scene.camera;
+  if (study.start == Start::kPrior) {
+    problem.initial_cam_from_target = looked_around;
+  }
+  for (size_t i = 0; i < trial.observations.size(); ++i) {
+    const Observation& observation = trial.observations[i];
+    if (observation.status != ObservationStatus::kFound) continue;
+    problem.points_in_target.push_back(study.target->features[observation.feature].position_m);
+    problem.pixels.push_back(observation.pixel);
+    problem.covariances_px2.push_back(observation.covariance_px2);
+    found.slots.push_back(static_cast<int>(i));
+  }
+  return found;
+}
+
+std::vector<ObservationRecord> compare_with_truth(const Study& study, const Trial& trial) {
+  std::vector<ObservationRecord> records;
+  for (const Observation& observation : trial.observations) {
+    const FeatureTruth& truth = trial.frame.truth.target().features[observation.feature];
+    ObservationRecord record;
+    record.feature = study.target->features[observation.feature].name;
+    record.status = to_string(observation.status);
+    record.true_pixel = truth.pixel;
+    const LabelledObservation labelled =
+        label(observation, trial.scene, trial.frame, study.setup_of(trial.record.condition).limits);
+    record.is_visible = labelled.is_visible;
+    record.label = to_string(labelled.label);
+    if (record.is_found()) {
+      record.pixel = observation.pixel;
+      record.error_px = labelled.error_px;
+      record.error_sigmas = labelled.error_sigmas;
+      record.is_outlier = labelled.is_outlier;
+    }
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+// Scene and frame of a trial, drawn and rendered. Returns why there is none; empty where there is.
+std::string render_frame(const Study& study, Renderer& renderer, Trial& trial) {
+  const Condition& condition = study.conditions[trial.record.condition];
+  const int64_t draw = study.draw_of(trial.record.trial);
+  const DrawnScene drawn =
+      draw_scene(study.setups[condition.setup].scene, condition.pose, study.seed, draw);
+  trial.scene = drawn.scene;
+  trial.record.redraws = drawn.redraws;
+  if (!drawn.is_imageable) return "not imaged";
+  trial.frame = renderer.render(trial.scene, RandomStream(study.seed, "sensor", draw));
+  return "";
+}
+
+// The same from a data set.
+std::string read_frame(const Study& study, Trial& trial) {
+  SetFrame shown = read_set_frame(study.target, study.setup_of(trial.record.condition).scene.bits,
+                                  study.sighting_of(trial.record.trial));
+  trial.scene = std::move(shown.scene);
+  if (shown.problem.empty()) trial.frame = std::move(shown.frame);
+  return shown.problem;
+}
+
+// The prior of a trial with a scene: drawn about the truth, or given; none where there is none.
+std::optional<Pose> prior_for(const Study& study, const Trial& trial) {
+  if (study.has_given_priors) return study.sighting_of(trial.record.trial).prior_cam_from_target;
+  RandomStream stream(study.seed, "prior", study.draw_of(trial.record.trial));
+  return draw_prior(trial.scene.cam_from_target, trial.scene.camera,
+                    study.setup_of(trial.record.condition).prior, stream);
+}
+
+}  // namespace
+
+Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
+  Trial trial;
+  TrialRecord& record = trial.record;
+  record.trial = index;
+  record.condition = study.condition_of(index);
+  std::string problem =
+      study.sightings ? read_frame(study, trial) : render_frame(study, renderer, trial);
+  record.true_cam_from_target = trial.scene.cam_from_target;
+  if (problem.empty()) {
+    const std::optional<Pose> prior = prior_for(study, trial);
+    if (prior) record.prior_cam_from_target = *prior;
+    if (!prior) problem = "no prior";
+  }
+  if (!problem.empty()) {
+    record.estimates = failed_estimates(study, problem);
+    return trial;
+  }
+  extract_and_solve(study, trial, renderer);
+  return trial;
+}
+
+void extract_and_solve(const Study& study, Trial& trial, Renderer& renderer) {
+  TrialRecord& record = trial.record;
+  Extraction extraction =
+      extract_in_passes(study, study.setup_of(record.condition), trial.scene, trial.frame.image,
+                        record.prior_cam_from_target, renderer);
+  trial.observations = std::move(extraction.observations);
+  record.observations = compare_with_truth(study, trial);
+  const FoundPoints found = found_points(study, trial, extraction.cam_from_target);
+  record.estimates = estimates_of(study, found, record);
+}
+
+}  // namespace sightline

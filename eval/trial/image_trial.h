@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "eval/records/records.h"
+#include "eval/study/study.h"
+#include "features/observation.h"
+#include "renderer/frame.h"
+#include "renderer/renderer.h"
+
+namespace sightline {
+
+/// A trial with the evidence behind its record, for the report's pictures.
+struct Trial {
+  TrialRecord record;
+  Scene scene;
+  Frame frame;
+  std::vector<Observation> observations;  ///< in the order of the study's features
+};
+
+/// Runs trial number `index` from scene to errors. It depends on nothing but the study and the
+/// index: the same in any shard, order or process.
+Trial run_trial(const Study& study, int64_t index, Renderer& renderer);
+
+/// The second half of run_trial: what is extracted from the trial's frame around its prior, how
+/// that stands against the truth, and what the solvers make of it.
+void extract_and_solve(const Study& study, Trial& trial, Renderer& renderer);
+
+}  // namespace sightline

@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/trial/labels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include <Eigen/LU>
+
+#include "eval/statistics/statistics.h"
+#include "features/outline.h"
+
+namespace sightline {
+namespace {
+
+// Evidence this near to a pixel of the target is the target's: the width of a blurred edge.
+constexpr int kNearPx = 2;
+
+// True where pixels of the main target lie near and none of another body does.
+bool shows_target(const cv::Mat& body_ids, const Eigen::Vector2d& pixel) {
+  const cv::Rect around(static_cast<int>(std::lround(pixel.x())) - kNearPx,
+                        static_cast<int>(std::lround(pixel.y())) - kNearPx, 2 * kNearPx + 1,
+                        2 * kNearPx + 1);
+  const cv::Rect inside = around & cv::Rect({0, 0}, body_ids.size());
+  bool has_target = false;
+  for (int v = inside.y; v < inside.br().y; ++v) {
+    for (int u = inside.x; u < inside.br().x; ++u) {
+      const int id = body_ids.at<uint8_t>(v, u);
+      if (id > 1) return false;
+      has_target = has_target || id == 1;
+    }
+  }
+  return has_target;
+}
+
+bool shows_target(const cv::Mat& body_ids, const std::vector<Eigen::Vector2d>& pixels) {
+  const auto count = std::count_if(pixels.begin(), pixels.end(), [&](const Eigen::Vector2d& pixel) {
+    return shows_target(body_ids, pixel);
+  });
+  return 2 * static_cast<size_t>(count) >= pixels.size();
+}
+
+// RMS distance of a line's edge pixels from the image of a straight edge, which a lens may bend: it
+// is taken as straight over the length of the line, which is short.
+double distance_px(const ImageLine& line, const Scene& scene, const Edge& edge) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto begin = project(scene.camera, scene.cam_from_target * edge.begin_m);
+  const auto end = project(scene.camera, scene.cam_from_target * edge.end_m);
+  if (!begin || !end || line.edge_pixels.empty()) return kInfinity;
+  const Eigen::Vector2d along = *end - *begin;
+  if (!(along.norm() > 0)) return kInfinity;
+  const Eigen::Vector2d normal = Eigen::Vector2d(-along.y(), along.x()).normalized();
+  double sum = 0;
+  for (const Eigen::Vector2d& pixel : line.edge_pixels) {
+    const double distance = normal.dot(pixel - *begin);
+    sum += distance * distance;
+  }
+  return std::sqrt(sum / static_cast<double>(line.edge_pixels.size()));
+}
+
+// The first line that is no edge of the feature, or the image of an edge that another line has
+// already; null when all are right.
+const ImageLine* wrong_line(const Observation& observation, const Scene& scene, double line_px) {
+  const auto& edges = scene.target->features[observation.feature].edges;
+  std::vector<bool> is_taken(edges.size(), false);
+  for (const ImageLine& line : observation.lines) {
+    size_t nearest = edges.size();
+    double nearest_px = line_px;
+    for (size_t e = 0; e < edges.size(); ++e) {
+      const double distance = distance_px(line, scene, edges[e]);
+      if (is_taken[e] || distance > nearest_px) continue;
+      nearest = e;
+      nearest_px = distance;
+    }
+    if (nearest == edges.size()) return &line;
+    is_taken[nearest] = true;
+  }
+  return nullptr;
+}
+
+// Why an observation is far from the truth.
+ObservationLabel kind_of_error(const Observation& observation, const Scene& scene,
+                               const Frame& frame, double line_px) {
+  if (observation.lines.empty()) {
+    return shows_target(frame.body_ids, observation.pixel) ? ObservationLabel::kWrongPoint
+                                                           : ObservationLabel::kClutter;
+  }
+  const ImageLine* const line = wrong_line(observation, scene, line_px);
+  if (line == nullptr) return ObservationLabel::kWrongIntersection;
+  return shows_target(frame.body_ids, line->edge_pixels) ? ObservationLabel::kWrongLine
+                                                         : ObservationLabel::kClutter;
+}
+
+// The median difference across these points of an outline; 0 of fewer than four.
+double median_contrast(const std::vector<OutlineSample>& outline, const cv::Mat& image) {
+  constexpr double kAsidePx = 3;
+  constexpr size_t kFewest = 4;
+  std::vector<double> differences;
+  for (const OutlineSample& sample : outline) {
+    const auto grey = [&](double side) -> double {
+      const Eigen::Vector2d at = sample.pixel + side * kAsidePx * sample.normal;
+      const cv::Point pixel(static_cast<int>(std::lround(at.x())),
+                            static_cast<int>(std::lround(at.y())));
+      if (!cv::Rect({0, 0}, image.size()).contains(pixel)) {
+        return std::numeric_limits<double>::quiet_NaN();
+      }
+      return image.depth() == CV_8U ? image.at<uint8_t>(pixel) : image.at<uint16_t>(pixel);
+    };
+    const double difference = grey(1) - grey(-1);
+    if (std::isfinite(difference)) differences.push_back(difference);
+  }
+  return differences.size() < kFewest ? 0 : std::abs(percentile(differences, 0.5));
+}
+
+std::vector<OutlineSample> outline_of(const PredictedEdge& edge) {
+  std::vector<OutlineSample> outline;
+  for (const PredictedEdge::Sample& sample : edge.samples) {
+    outline.push_back(
+        {edge.begin + sample.along_px * edge.direction + sample.offset_px * edge.normal,
+         edge.normal, sample.borders_target});
+  }
+  return outline;
+}
+
+}  // namespace
+
+std::string_view to_string(ObservationLabel label) {
+  constexpr std::array<std::string_view, 8> kWords = {
+      "inlier",  "wrong line", "wrong intersection", "wrong point", "clutter", "hidden",
+      "missing", "absent"};
+  return kWords[static_cast<size_t>(label)];
+}
+
+LabelledObservation label(const Observation& observation, const Scene& scene, const Frame& frame,
+                          const LabelLimits& limits) {
+  const FeatureTruth& truth = frame.truth.target().features[observation.feature];
+  LabelledObservation out;
+  out.is_visible = truth.is_visible &&
+                   (limits.least_contrast_grey == 0 ||
+                    contrast_grey(observation.feature, scene, frame) >= limits.least_contrast_grey);
+  if (observation.status != ObservationStatus::kFound) {
+    out.label = out.is_visible ? ObservationLabel::kMissing : ObservationLabel::kAbsent;
+    return out;
+  }
+  const Eigen::Vector2d error = observation.pixel - truth.pixel;
+  out.error_px = error.norm();
+  out.error_sigmas = std::sqrt(error.dot(observation.covariance_px2.inverse() * error));
+  out.is_outlier = out.error_px > limits.outlier_px || out.error_sigmas > limits.outlier_sigmas;
+  if (!out.is_visible) {
+    out.label = ObservationLabel::kHidden;
+  } else if (!out.is_outlier) {
+    out.label = ObservationLabel::kInlier;
+  } else {
+    out.label = kind_of_error(observation, scene, frame, limits.line_px);
+  }
+  return out;
+}
+
+double contrast_grey(int feature, const Scene& scene, const Frame& frame) {
+  constexpr double kGapPx = 2.5;
+  constexpr double kReachPx = 36;
+  const PredictedView view = predict_features(*scene.target, std::array{feature}, scene.camera,
+                                              PosePrior{scene.cam_from_target});
+  const FeaturePrediction& prediction = view.features.front();
+  if (!prediction.is_in_front) return 0;
+  double contrast = std::numeric_limits<double>::infinity();
+  if (prediction.kind == FeatureKind::kLineIntersection) {
+    for (const int edge : prediction.edge) {
+      const auto outline = outline_of(predict_edge(view, prediction, edge, {kGapPx, kReachPx}));
+      contrast = std::min(contrast, median_contrast(outline, frame.image));
+    }
+  } else {
+    contrast = median_contrast(predict_outline(view, prediction, kReachPx), frame.image);
+  }
+  return contrast * 255 / (std::exp2(scene.sensor.bits) - 1);
+}
+
+}  // namespace sightline

@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <vector>
+
+#include "eval/study/study.h"
+#include "features/observation.h"
+#include "renderer/frame.h"
+#include "renderer/renderer.h"
+
+namespace sightline {
+
+/// What the passes of extraction over one image gave.
+struct Extraction {
+  std::vector<Observation>
+      observations;      ///< of the last pass, in the order of the study's features
+  Pose cam_from_target;  ///< that the last pass looked around
+};
+
+/// Extracts the study's features from a frame, in as many passes as the set-up asks for: extract,
+/// solve (orpe_weighed, which the prior helps where few features are found), gate against the
+/// prior, extract again around the pose found. A pass that finds less than half of what the one
+/// before found is dropped. Of the scene only what a user would know is used: the camera, and, to
+/// remove the extractors' bias, target, light and background level.
+Extraction extract_in_passes(const Study& study, const ImageSetup& setup, const Scene& scene,
+                             const cv::Mat& image, const Pose& prior_cam_from_target,
+                             Renderer& renderer);
+
+}  // namespace sightline

@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <fstream>
+#include <new>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "scenes/files/input_error.h"
+#include "scenes/mesh/mesh_soup.h"
+
+namespace sightline {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Reader = std::function<MeshSoup(const std::filesystem::path&)>;
+
+// The child's message: one of these, then an encoded soup or a line of text.
+constexpr char kSoup = 'S';
+constexpr char kInputError = 'I';
+constexpr char kNoMemory = 'M';
+constexpr size_t kMaxMessageBytes = size_t{1} << 30;
+constexpr size_t kMaxErrorBytes = 2000;
+constexpr int kPipeBytes = 1 << 20;
+
+// Sets the limit that a signal or an error answers, and leaves the one that kills as it was.
+void limit(int resource, rlim_t value) {
+  rlimit wanted{};
+  if (getrlimit(resource, &wanted) != 0) return;
+  wanted.rlim_cur = std::min(value, wanted.rlim_max);
+  setrlimit(resource, &wanted);
+}
+
+// What the process has mapped already: limits are relative to it, because a graphics library maps
+// much, and a sanitizer many terabytes.
+uint64_t mapped_bytes() {
+  uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
+void confine(const ReaderLimits& limits) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  for (const int number : {SIGINT, SIGTERM, SIGPIPE, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) {
+    signal(number, SIG_DFL);
+  }
+  limit(RLIMIT_CORE, 0);
+  limit(RLIMIT_FSIZE, 0);
+  limit(RLIMIT_CPU, static_cast<rlim_t>(limits.cpu_s));
+  limit(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
+}
+
+void write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return;  // the parent is gone
+    bytes.remove_prefix(static_cast<size_t>(written));
+  }
+}
+
+std::string message_of(const std::filesystem::path& file, const Reader& reader) {
+  try {
+    return kSoup + encode(reader(file));
+  } catch (const InputError& error) {
+    return kInputError + std::string(error.what());
+  } catch (const std::bad_alloc&) {
+    return {kNoMemory};
+  } catch (const std::length_error&) {  // a count no vector can have
+    return {kNoMemory};
+  } catch (const std::exception& error) {
+    return kInputError +
+           fmt::format("{}: cannot be read as a mesh: {}", file.string(), error.what());
+  }
+}
+
+[[noreturn]] void read_and_exit(int pipe, const std::filesystem::path& file, const Reader& reader,
+                                const ReaderLimits& limits) {
+  // Libraries may print: their last words are not ours.
+  constexpr int kPipe = STDERR_FILENO + 1;
+  const int nowhere = open("/dev/null", O_RDWR);
+  if (pipe != kPipe) dup2(pipe, kPipe);
+  for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, standard);
+  close_range(kPipe + 1, ~0U, 0);
+  confine(limits);
+  write_all(kPipe, message_of(file, reader));
+  _exit(0);
+}
+
+struct Outcome {
+  std::string message;
+  int status = 0;           // as waitpid gives it
+  bool is_late = false;     // we ended it
+  bool is_endless = false;  // it said more than any mesh
+};
+
+// Reads until the child closes its pipe or its time is over, then ends and reaps it.
+Outcome listen(pid_t child, int pipe, const ReaderLimits& limits) {
+  Outcome outcome;
+  const auto deadline = Clock::now() + std::chrono::seconds(limits.wall_s);
+  std::vector<char> buffer(size_t{1} << 18);
+  while (true) {
+    const auto left =
+        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
+    outcome.is_late = left <= 0;
+    outcome.is_endless = outcome.message.size() > kMaxMessageBytes;
+    if (outcome.is_late || outcome.is_endless) break;
+    pollfd waiting{.fd = pipe, .events = POLLIN, .revents = 0};
+    if (poll(&waiting, 1, static_cast<int>(left)) <= 0) continue;
+    const ssize_t size = read(pipe, buffer.data(), buffer.size());
+    if (size < 0 && errno == EINTR) continue;
+    if (size <= 0) break;
+    outcome.message.append(buffer.data(), static_cast<size_t>(size));
+  }
+  close(pipe);
+  if (outcome.is_late || outcome.is_endless) kill(child, SIGKILL);
+  while (waitpid(child, &outcome.status, 0) < 0 && errno == EINTR) {
+  }
+  return outcome;
+}
+
+// Why the child's message cannot be used; empty when it can.
+std::string why_unusable(const Outcome& outcome, const ReaderLimits& limits) {
+  const bool is_signalled = WIFSIGNALED(outcome.status);
+  const int signal = is_signalled ? WTERMSIG(outcome.status) : 0;
+  if (outcome.is_late || signal == SIGXCPU) {
+    return fmt::format("broken, or too large: reading it takes more than {} s",
+                       outcome.is_late ? limits.wall_s : limits.cpu_s);
+  }
+  if (outcome.is_endless) return "its reader does not end";
+  if (signal == SIGKILL) return "its reader was killed, perhaps for want of memory";
+  if (is_signalled) {
+    return fmt::format("broken: its reader crashed on it ({})", strsignal(signal));
+  }
+  if (WIFEXITED(outcome.status) && WEXITSTATUS(outcome.status) != 0) {
+    return "broken: its reader crashed on it";
+  }
+  if (outcome.message.empty()) return "its reader ended without a word";
+  if (outcome.message[0] == kNoMemory) {
+    return fmt::format("broken, or too large: reading it takes more than {} MiB",
+                       limits.memory_bytes >> 20);
+  }
+  return "";
+}
+
+std::string one_line(std::string text) {
+  text.resize(std::min(text.size(), kMaxErrorBytes));
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  return text;
+}
+
+}  // namespace
+
+ReaderLimits limits_for(uint64_t file_bytes) {
+  const ReaderLimits most;
+  const uint64_t mebibytes = file_bytes >> 20;
+  const uint64_t memory_bytes = (uint64_t{512} << 20) + 64 * file_bytes;
+  const int cpu_s = static_cast<int>(std::min<uint64_t>(2 + mebibytes, most.cpu_s));
+  return {.memory_bytes = std::min(memory_bytes, most.memory_bytes),
+          .cpu_s = cpu_s,
+          .wall_s = 60 + 2 * cpu_s};
+}
+
+MeshSoup read_in_child(const std::filesystem::path& file, const Reader& reader,
+                       const ReaderLimits& limits) {
+  std::array<int, 2> ends{};
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) {
+    throw std::runtime_error(fmt::format("pipe: {}", std::strerror(errno)));
+  }
+  fcntl(ends[0], F_SETPIPE_SZ, kPipeBytes);  // a wish: fewer switches between the two
+  const pid_t child = fork();
+  if (child < 0) {
+    const std::string reason = std::strerror(errno);
+    for (const int end : ends) close(end);
+    throw std::runtime_error(fmt::format("fork: {}", reason));
+  }
+  if (child == 0) read_and_exit(ends[1], file, reader, limits);
+  close(ends[1]);
+  const Outcome outcome = listen(child, ends[0], limits);
+  const std::string problem = why_unusable(outcome, limits);
+  if (!problem.empty()) throw InputError(fmt::format("{}: {}", file.string(), problem));
+  if (outcome.message[0] != kSoup) throw InputError(one_line(outcome.message.substr(1)));
+  return decode(std::string_view(outcome.message).substr(1), file);
+}
+
+}  // namespace sightline

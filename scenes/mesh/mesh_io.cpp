@@ -1,0 +1,259 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/mesh/mesh_io.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <set>
+#include <unordered_map>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "scenes/files/input_error.h"
+#include "scenes/mesh/mesh_soup.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kDefaultCreaseAngleRad = 45 * std::numbers::pi / 180;
+constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
+constexpr double kSmallestUnitM = 1e-6;
+constexpr double kLargestUnitM = 1e6;
+constexpr double kWeldFraction = 1e-6;  // of the mesh's size: float files carry 1e-7
+
+Eigen::Vector3d axis_named(const std::string& name, const char* key,
+                           const std::filesystem::path& file) {
+  const std::string signed_name = name.size() == 1 ? "+" + name : name;
+  const bool is_axis = signed_name.size() == 2 && (name[0] == '-' || signed_name[0] == '+') &&
+                       signed_name[1] >= 'x' && signed_name[1] <= 'z';
+  if (!is_axis) {
+    throw InputError(fmt::format("{}: {} = \"{}\" is no axis (allowed: +x, -x, +y, -y, +z, -z)",
+                                 file.string(), key, name));
+  }
+  return (name[0] == '-' ? -1.0 : 1.0) * Eigen::Vector3d::Unit(signed_name[1] - 'x');
+}
+
+Eigen::Matrix3d target_from_file_rotation(const MeshFrame& frame,
+                                          const std::filesystem::path& file) {
+  const Eigen::Vector3d forward = axis_named(frame.forward, "forward", file);
+  const Eigen::Vector3d up = axis_named(frame.up, "up", file);
+  if (forward.dot(up) != 0) {
+    throw InputError(fmt::format("{}: forward = \"{}\" and up = \"{}\" must be different axes",
+                                 file.string(), frame.forward, frame.up));
+  }
+  if (!(frame.unit_m >= kSmallestUnitM && frame.unit_m <= kLargestUnitM)) {
+    throw InputError(fmt::format("{}: unit_m = {} must be from {} to {}", file.string(),
+                                 frame.unit_m, kSmallestUnitM, kLargestUnitM));
+  }
+  Eigen::Matrix3d rotation;
+  rotation.row(0) = forward;
+  rotation.row(1) = forward.cross(up);  // starboard
+  rotation.row(2) = -up;
+  return rotation;
+}
+
+// Gives points closer than the tolerance one index, by a grid of cells of the tolerance's size.
+class Welder {
+ public:
+  explicit Welder(double tolerance_m) : cell_m_(tolerance_m) {}
+
+  int index_of(const Eigen::Vector3d& point) {
+    const Cell home = cell_of(point);
+    for (int64_t dx = -1; dx <= 1; ++dx) {
+      for (int64_t dy = -1; dy <= 1; ++dy) {
+        for (int64_t dz = -1; dz <= 1; ++dz) {
+          const Cell cell = {home[0] + dx, home[1] + dy, home[2] + dz};
+          const auto [begin, end] = vertices_in_.equal_range(cell);
+          for (auto at = begin; at != end; ++at) {
+            if ((vertices[at->second] - point).norm() <= cell_m_) return at->second;
+          }
+        }
+      }
+    }
+    vertices.push_back(point);
+    const int index = static_cast<int>(vertices.size()) - 1;
+    vertices_in_.emplace(home, index);
+    return index;
+  }
+
+  std::vector<Eigen::Vector3d> vertices;
+
+ private:
+  using Cell = std::array<int64_t, 3>;
+  struct CellHash {
+    size_t operator()(const Cell& c) const {
+      uint64_t hash = 0xcbf29ce484222325ULL;
+      for (const int64_t x : c) hash = (hash ^ static_cast<uint64_t>(x)) * 0x9e3779b97f4a7c15ULL;
+      return hash ^ (hash >> 29);
+    }
+  };
+
+  Cell cell_of(const Eigen::Vector3d& p) const {
+    return {static_cast<int64_t>(std::floor(p.x() / cell_m_)),
+            static_cast<int64_t>(std::floor(p.y() / cell_m_)),
+            static_cast<int64_t>(std::floor(p.z() / cell_m_))};
+  }
+
+  double cell_m_;
+  // A cell's diagonal is longer than the tolerance: it may hold several vertices.
+  std::unordered_multimap<Cell, int, CellHash> vertices_in_;
+};
+
+double size_of(const MeshSoup& soup) {
+  Eigen::AlignedBox3d box;
+  for (const SoupTriangle& triangle : soup.triangles) {
+    for (const Eigen::Vector3d& corner : triangle.corner) box.extend(corner);
+  }
+  return box.diagonal().norm();
+}
+
+// A triangle whose height over its longest side is within the welding tolerance has no area to
+// speak of and no normal to trust.
+bool is_degenerate(const Mesh& mesh, const std::array<int, 3>& v, double tolerance_m) {
+  if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0]) return true;
+  const Eigen::Vector3d a = mesh.vertices[v[1]] - mesh.vertices[v[0]];
+  const Eigen::Vector3d b = mesh.vertices[v[2]] - mesh.vertices[v[0]];
+  const double longest = std::max({a.norm(), b.norm(), (b - a).norm()});
+  return a.cross(b).norm() <= tolerance_m * longest;
+}
+
+// Keeps the normals that the file has, on the side where the triangle is counter-clockwise: there a
+// soup's normals and windings may disagree, and both sides are drawn.
+void fill_missing_normals(Mesh& mesh) {
+  const std::vector<Triangle> from_file = mesh.triangles;
+  compute_corner_normals(mesh, kDefaultCreaseAngleRad);
+  for (size_t i = 0; i < from_file.size(); ++i) {
+    for (int corner = 0; corner < 3; ++corner) {
+      const Eigen::Vector3d& normal = from_file[i].normal[corner];
+      if (normal.isZero()) continue;
+      const bool is_inside_out = normal.dot(face_normal(mesh, from_file[i])) < 0;
+      mesh.triangles[i].normal[corner] = is_inside_out ? Eigen::Vector3d(-normal) : normal;
+    }
+  }
+}
+
+LoadedMesh weld(const MeshSoup& soup) {
+  LoadedMesh loaded;
+  Mesh& mesh = loaded.mesh;
+  mesh.parts = soup.parts;
+  const double tolerance_m = kWeldFraction * size_of(soup);
+  Welder welder(tolerance_m);
+  std::vector<std::array<int, 3>> corners;
+  for (const SoupTriangle& triangle : soup.triangles) {
+    corners.push_back({welder.index_of(triangle.corner[0]), welder.index_of(triangle.corner[1]),
+                       welder.index_of(triangle.corner[2])});
+  }
+  mesh.vertices = std::move(welder.vertices);
+  loaded.cleaning.welded_vertices =
+      static_cast<int>(3 * soup.triangles.size() - mesh.vertices.size());
+
+  std::set<std::array<int, 3>> seen;
+  for (size_t i = 0; i < corners.size(); ++i) {
+    if (is_degenerate(mesh, corners[i], tolerance_m)) {
+      ++loaded.cleaning.degenerate_triangles;
+      continue;
+    }
+    std::array<int, 3> sorted = corners[i];
+    std::sort(sorted.begin(), sorted.end());
+    if (!seen.insert(sorted).second) {
+      ++loaded.cleaning.duplicate_triangles;
+      continue;
+    }
+    const SoupTriangle& source = soup.triangles[i];
+    mesh.triangles.push_back({corners[i], source.part, source.normal});
+  }
+  fill_missing_normals(mesh);
+  return loaded;
+}
+
+void transform(MeshSoup& soup, const Eigen::Matrix3d& rotation, double unit_m) {
+  for (SoupTriangle& triangle : soup.triangles) {
+    for (Eigen::Vector3d& corner : triangle.corner) corner = unit_m * (rotation * corner);
+    for (Eigen::Vector3d& normal : triangle.normal) normal = rotation * normal;
+  }
+}
+
+constexpr double kSmallestSizeFraction = 1e-9;  // of the greatest coordinate
+
+void require_size(const MeshSoup& soup, const std::filesystem::path& file) {
+  if (soup.triangles.empty()) {
+    throw InputError(fmt::format("{}: holds no triangles", file.string()));
+  }
+  double largest = 0;
+  for (const SoupTriangle& triangle : soup.triangles) {
+    for (const Eigen::Vector3d& corner : triangle.corner) {
+      largest = std::max(largest, corner.cwiseAbs().maxCoeff());
+    }
+  }
+  const double size = size_of(soup);
+  if (!(size > kSmallestSizeFraction * largest)) {
+    throw InputError(fmt::format("{}: all its triangles are degenerate (its size is {:.3g})",
+                                 file.string(), size));
+  }
+}
+
+bool is_gltf(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".glb" || extension == ".gltf";
+}
+
+// Returns its size. What a path names is known before it is opened: a pipe would wait for ever.
+std::uintmax_t require_file(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) {
+    const bool exists = std::filesystem::exists(file, error);
+    throw InputError(fmt::format("{}: {}", file.string(),
+                                 exists ? "is not a regular file" : "no such mesh file"));
+  }
+  const std::uintmax_t bytes = std::filesystem::file_size(file, error);
+  if (error || bytes == 0) throw InputError(fmt::format("{}: is empty", file.string()));
+  if (bytes > kMaxFileBytes) {
+    throw InputError(fmt::format("{}: has {} MiB, must have at most {}", file.string(), bytes >> 20,
+                                 kMaxFileBytes >> 20));
+  }
+  return bytes;
+}
+
+}  // namespace
+
+double unit_named(const std::string& unit) {
+  static const std::map<std::string, double> kUnits = {
+      {"km", 1000}, {"m", 1}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}};
+  if (const auto found = kUnits.find(unit); found != kUnits.end()) return found->second;
+  double metres = 0;
+  const auto [end, error] = std::from_chars(unit.data(), unit.data() + unit.size(), metres);
+  if (error != std::errc() || end != unit.data() + unit.size() || !std::isfinite(metres)) {
+    throw InputError(fmt::format(
+        "unit \"{}\" is not known (allowed: m, cm, mm, km, in, ft or metres in one as a number)",
+        unit));
+  }
+  return metres;
+}
+
+LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::path& file) {
+  const Eigen::Matrix3d target_from_file = target_from_file_rotation(frame, file);
+  require_size(soup, file);
+  transform(soup, target_from_file, frame.unit_m);
+  LoadedMesh loaded = weld(soup);
+  if (loaded.mesh.triangles.empty()) {
+    throw InputError(fmt::format("{}: all its triangles are degenerate", file.string()));
+  }
+  loaded.target_from_file = target_from_file;
+  return loaded;
+}
+
+LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame) {
+  target_from_file_rotation(frame, file);  // a wrong frame is known before the file is read
+  const ReaderLimits limits = limits_for(require_file(file));
+  return clean(read_in_child(file, is_gltf(file) ? read_gltf : read_with_assimp, limits), frame,
+               file);
+}
+
+}  // namespace sightline

@@ -1,0 +1,92 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "scenes/mesh/mesh_io.h"
+
+namespace sightline {
+
+/// A triangle as a file gives it: its own three corners, in the file's axes and unit.
+struct SoupTriangle {
+  std::array<Eigen::Vector3d, 3> corner;
+  std::array<Eigen::Vector3d, 3> normal;  ///< unit, or zero where the file has none
+  int part = 0;
+};
+
+/// What the readers of mesh files hand to the one place that cleans meshes.
+struct MeshSoup {
+  std::vector<SoupTriangle> triangles;
+  std::vector<Part> parts;
+};
+
+constexpr size_t kMaxTriangles = 2'000'000;  ///< a target, not a scan: some GB at the most
+constexpr size_t kMaxParts = 65535;          ///< ids of parts have 16 bits, 0 is background
+constexpr double kLargestCoordinate = 1e12;  ///< sizes and cells remain numbers that doubles hold
+
+/// The two readers; `read_mesh` chooses and runs them in a process of their own. Nothing outside
+/// the file's folder is opened. Both throw InputError with the library's own words.
+MeshSoup read_gltf(const std::filesystem::path& file);
+MeshSoup read_with_assimp(const std::filesystem::path& file);
+
+/// The content of a .glb or .gltf (told apart by its first bytes); `file` names it in errors, and
+/// its folder is where its buffers may lie.
+MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& file);
+
+/// True when the path, links followed, lies in the folder or below it.
+bool is_inside(const std::filesystem::path& folder, const std::filesystem::path& path);
+
+/// Adds a triangle whose corners and normals are carried by `file_from_mesh`; a mirroring transform
+/// reverses the winding so that it stays counter-clockwise from outside.
+void add_transformed(MeshSoup& soup, const SoupTriangle& triangle,
+                     const Eigen::Matrix4d& file_from_mesh);
+
+/// Throws InputError when the soup with `more` triangles and one more part would be too large.
+void require_room(const MeshSoup& soup, size_t more, const std::filesystem::path& file);
+
+/// Linear luminance of a linear RGB colour (Rec. 709 weights), clamped to [0, 1].
+double luminance(double red, double green, double blue);
+
+/// A soup as bytes, to cross from one process to another of the same machine.
+std::string encode(const MeshSoup& soup);
+
+/// The soup of such bytes, which may be anything: throws InputError, naming the file, when the
+/// counts disagree with the length or pass the limits above, a number is not finite, a corner lies
+/// beyond kLargestCoordinate, a normal is longer than a unit, an albedo is not in [0, 1] or a part
+/// does not exist. Names come out as printable UTF-8 of at most 256 bytes.
+MeshSoup decode(std::string_view bytes, const std::filesystem::path& file);
+
+/// The mesh of a soup, as `read_mesh` tells. Throws InputError for one without size or triangles
+/// and for a wrong frame.
+LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::path& file);
+
+/// What a reader's process may use.
+struct ReaderLimits {
+  uint64_t memory_bytes = uint64_t{4} << 30;  ///< beyond what the calling process has mapped
+  int cpu_s = 120;
+  int wall_s = 300;
+};
+
+/// Limits that no honest file of this size comes near, and a broken one meets soon: 512 MiB and 64
+/// times the file, at most 4 GiB; 2 s and 1 s for each MiB, at most 120 s.
+ReaderLimits limits_for(uint64_t file_bytes);
+
+/// Runs a reader in a child process and returns its soup: what crashes, hangs or devours memory in
+/// there ends as an InputError that names the file, as do the reader's own errors. The child is a
+/// fork: it reads, writes into a pipe and leaves by _exit without running a destructor, so that
+/// the caller may hold an OpenGL context, which the child never touches, and other threads, as long
+/// as none of them holds a lock that reading a file needs (malloc's own is safe). It cannot write a
+/// file, sees no other descriptor of the caller, and dies with it.
+MeshSoup read_in_child(const std::filesystem::path& file,
+                       const std::function<MeshSoup(const std::filesystem::path&)>& reader,
+                       const ReaderLimits& limits);
+
+}  // namespace sightline

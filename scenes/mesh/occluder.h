@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "scenes/mesh/mesh.h"
+
+namespace sightline {
+
+/// Says what a mesh hides from an eye (CGAL's AABB tree; the mesh may be an open triangle soup).
+class Occluder {
+ public:
+  explicit Occluder(const Mesh& mesh);
+
+  /// True when the mesh blocks the line from the eye to the point, both in the target's frame. The
+  /// line stops `clearance_m` short of the point, so that the surface it lies on does not count.
+  bool hides(const Eigen::Vector3d& point_m, const Eigen::Vector3d& eye_m,
+             double clearance_m) const;
+
+  /// The distance from a point to the mesh's nearest triangle, metres.
+  double distance_m(const Eigen::Vector3d& point_m) const;
+
+ private:
+  struct Tree;
+  std::shared_ptr<const Tree> tree_;
+};
+
+}  // namespace sightline

@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/target/target.h"
+
+#include <algorithm>
+#include <set>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+#include "scenes/files/assets.h"
+#include "scenes/files/input_error.h"
+#include "scenes/files/toml_table.h"
+#include "scenes/mesh/decimation.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kOnFeatureM = 1e-4;       // an edge must begin at its feature to this
+constexpr double kOffMeshFraction = 0.01;  // of the size: a virtual corner of rounded edges
+
+MeshFrame read_frame(const TomlTable& table) {
+  const std::vector<std::string> axes = {"+x", "-x", "+y", "-y", "+z", "-z", "x", "y", "z"};
+  const MeshFrame defaults;
+  return {.forward = table.choice("forward", axes, defaults.forward),
+          .up = table.choice("up", axes, defaults.up),
+          .unit_m = table.number("unit_m", {1e-6, 1e6}, defaults.unit_m)};
+}
+
+FeatureKind read_kind(const TomlTable& table) {
+  std::vector<std::string> names;
+  for (const FeatureKind kind : kFeatureKinds) names.emplace_back(to_string(kind));
+  const std::string given = table.choice("kind", names);
+  return *std::find_if(kFeatureKinds.begin(), kFeatureKinds.end(),
+                       [&](FeatureKind kind) { return to_string(kind) == given; });
+}
+
+void check_edges(const TomlTable& table, const TargetFeature& feature) {
+  constexpr double kLeastSine = 0.01;  // half a degree: less is one edge, not two
+  std::vector<Eigen::Vector3d> directions;
+  for (size_t i = 0; i < feature.edges.size(); ++i) {
+    const Edge& edge = feature.edges[i];
+    if ((edge.begin_m - feature.position_m).norm() > kOnFeatureM) {
+      table.fail("edges_m",
+                 fmt::format("of \"{}\": edge {} must begin at position_m", feature.name, i));
+    }
+    if ((edge.end_m - edge.begin_m).norm() < kOnFeatureM) {
+      table.fail("edges_m", fmt::format("of \"{}\": edge {} has no length", feature.name, i));
+    }
+    const Eigen::Vector3d direction = (edge.end_m - edge.begin_m).normalized();
+    for (const Eigen::Vector3d& other : directions) {
+      if (other.cross(direction).norm() >= kLeastSine) continue;
+      table.fail("edges_m", fmt::format("of \"{}\" must not be parallel", feature.name));
+    }
+    directions.push_back(direction);
+  }
+}
+
+TargetFeature read_feature(const TomlTable& table) {
+  TargetFeature feature;
+  feature.name = table.text("name");
+  if (feature.name.empty()) table.fail("name", "is empty");
+  feature.kind = read_kind(table);
+  feature.position_m = table.vector3("position_m");
+  feature.clearance_m = table.number("clearance_m", {0, 1e6}, feature.clearance_m);
+  feature.parts = table.texts("parts", std::vector<std::string>{});
+  feature.reach_m = table.number("reach_m", {1e-6, 1e6}, feature.reach_m);
+  if (feature.kind == FeatureKind::kContour && feature.parts.empty()) {
+    table.fail("parts", fmt::format("of \"{}\" must name the parts whose outline it is known by",
+                                    feature.name));
+  }
+  if (feature.kind != FeatureKind::kLineIntersection) return feature;
+  for (const auto& ends : table.point_lists("edges_m", 2, 2)) {
+    feature.edges.push_back({ends[0], ends[1]});
+  }
+  check_edges(table, feature);
+  return feature;
+}
+
+std::vector<TargetFeature> read_features(const TomlTable& table) {
+  std::vector<TargetFeature> features;
+  std::set<std::string> names;
+  for (const TomlTable& entry : table.tables("feature")) {
+    features.push_back(read_feature(entry));
+    if (!names.insert(features.back().name).second) {
+      entry.fail("name", fmt::format("\"{}\" is given twice", features.back().name));
+    }
+  }
+  return features;
+}
+
+// A feature lies on the mesh, up to what its clearance allows or kOffMeshFraction of the size.
+void require_on_mesh(const TomlTable& table, const Target& target) {
+  const Bounds box = bounds(target.mesh);
+  const double size_m = (box.max_m - box.min_m).norm();
+  for (size_t i = 0; i < target.features.size(); ++i) {
+    const TargetFeature& feature = target.features[i];
+    const double allowed_m = std::max(feature.clearance_m, kOffMeshFraction * size_m);
+    const double off_m = target.occluder.distance_m(feature.position_m);
+    if (off_m <= allowed_m) continue;
+    table.fail(
+        fmt::format("feature[{}].position_m", i),
+        fmt::format("of \"{}\" lies {:.3g} m off the mesh, may lie at most {:.3g} m off (its "
+                    "clearance_m, or {} % of the target's size)",
+                    feature.name, off_m, allowed_m, 100 * kOffMeshFraction));
+  }
+}
+
+void check_parts(const TomlTable& table, const Mesh& mesh) {
+  std::vector<std::string> known;
+  for (const Part& part : mesh.parts) known.push_back(part.name);
+  for (const TomlTable& entry : table.tables("feature")) {
+    for (const std::string& name : entry.texts("parts", std::vector<std::string>{})) {
+      if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+      entry.fail("parts", fmt::format("of \"{}\" holds \"{}\", which the mesh does not have{}",
+                                      entry.text("name"), name, suggestion(name, known)));
+    }
+  }
+}
+
+std::shared_ptr<const Target> make_target(std::string name, std::string description,
+                                          LoadedMesh loaded, std::vector<TargetFeature> features) {
+  Occluder occluder(loaded.mesh);
+  std::vector<FeatureShape> shapes = feature_shapes(loaded.mesh, features);
+  Facets facets = facets_of(loaded.mesh);
+  return std::make_shared<const Target>(
+      Target{std::move(name), std::move(description), std::move(loaded.mesh), loaded.cleaning,
+             std::move(features), std::move(occluder), std::move(shapes), std::move(facets),
+             loaded.target_from_file});
+}
+
+}  // namespace
+
+bool is_self_hidden(const Target& target, const TargetFeature& feature,
+                    const Pose& cam_from_target) {
+  const Eigen::Vector3d eye_in_target = inverse(cam_from_target).translation;
+  return target.occluder.hides(feature.position_m, eye_in_target, feature.clearance_m);
+}
+
+std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target, double factor) {
+  if (factor == 1) return target;
+  LoadedMesh loaded{target->mesh, target->cleaning, target->target_from_file};
+  for (Eigen::Vector3d& vertex : loaded.mesh.vertices) vertex *= factor;
+  std::vector<TargetFeature> features = target->features;
+  for (TargetFeature& feature : features) {
+    feature.position_m *= factor;
+    feature.clearance_m *= factor;
+    feature.reach_m *= factor;
+    for (Edge& edge : feature.edges) edge = {edge.begin_m * factor, edge.end_m * factor};
+  }
+  return make_target(target->name, target->description, std::move(loaded), std::move(features));
+}
+
+std::shared_ptr<const Target> decimated(const std::shared_ptr<const Target>& target,
+                                        double kept_fraction) {
+  if (kept_fraction == 1) return target;
+  return make_target(target->name, target->description,
+                     {decimated(target->mesh, kept_fraction), target->cleaning}, target->features);
+}
+
+std::shared_ptr<const Target> load_target(const std::string& name_or_path, const MeshFrame& frame) {
+  const std::filesystem::path file = find_target_file(name_or_path);
+  if (file.extension() != ".toml") {
+    return make_target(file.stem(), "", read_mesh(file, frame), {});
+  }
+  const TomlTable table = TomlTable::read_file(file);
+  const std::string name = table.text("name");
+  const std::string description = table.text("description", "");
+  const TomlTable mesh = table.table("mesh");
+  const std::filesystem::path mesh_file = file.parent_path() / mesh.text("file");
+  const MeshFrame mesh_frame = read_frame(mesh);
+  std::vector<TargetFeature> features = read_features(table);
+  table.reject_unknown_keys();
+  LoadedMesh loaded = read_mesh(mesh_file, mesh_frame);
+  check_parts(table, loaded.mesh);
+  const auto target = make_target(name, description, std::move(loaded), std::move(features));
+  require_on_mesh(table, *target);
+  return target;
+}
+
+}  // namespace sightline

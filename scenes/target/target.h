@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pose/pose.h"
+#include "scenes/mesh/mesh_io.h"
+#include "scenes/mesh/occluder.h"
+#include "scenes/target/facets.h"
+#include "scenes/target/feature_shape.h"
+
+namespace sightline {
+
+/// A mesh and its features, in the target's frame: x forward, y starboard, z down, metres, so that
+/// the identity attitude shows the plan view from above with the nose to the right.
+struct Target {
+  std::string name;
+  std::string description;
+  Mesh mesh;
+  CleaningSummary cleaning;
+  std::vector<TargetFeature> features;
+  Occluder occluder;
+  std::vector<FeatureShape> shapes = {};  ///< of the mesh around each feature, in their order
+  Facets facets = {};                     ///< of the mesh, if it has few
+  /// Turns the axes of the mesh's file into the target's; the unit is not in it.
+  Eigen::Matrix3d target_from_file = Eigen::Matrix3d::Identity();
+};
+
+/// True when the target's own mesh hides the feature from the camera.
+bool is_self_hidden(const Target& target, const TargetFeature& feature,
+                    const Pose& cam_from_target);
+
+/// The target `factor` times as large, features and all.
+std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target, double factor);
+
+/// The target with a coarser mesh, which keeps this fraction of the triangles
+/// (scenes/decimation.h), and the same features; itself where that is 1.
+std::shared_ptr<const Target> decimated(const std::shared_ptr<const Target>& target,
+                                        double kept_fraction);
+
+/// Loads a target by name, from a target.toml, or from any mesh file (which has no features;
+/// `frame` is how the mesh's axes lie, a target.toml says it itself). Throws InputError for
+/// whatever is missing, misspelt, out of range or unreadable, and for a feature farther off the
+/// mesh than its clearance and 1 % of the target's size.
+std::shared_ptr<const Target> load_target(const std::string& name_or_path,
+                                          const MeshFrame& frame = {});
+
+}  // namespace sightline

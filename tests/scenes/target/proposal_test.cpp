@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/target/proposal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/builders/cube.h"
+
+namespace sightline {
+namespace {
+
+std::vector<FeatureProposal> propose(const Mesh& mesh, const ProposalOptions& options = {}) {
+  return propose_features(mesh, Occluder(mesh), options);
+}
+
+// A ball of `rings` x 2 rings quads, each two triangles.
+Mesh ball(int rings) {
+  Mesh mesh;
+  mesh.parts = {{"ball"}};
+  const auto vertex = [&](int ring, int step) {
+    const double polar = std::numbers::pi * ring / rings;
+    const double around = std::numbers::pi * step / rings;
+    mesh.vertices.emplace_back(std::sin(polar) * std::cos(around),
+                               std::sin(polar) * std::sin(around), std::cos(polar));
+    return static_cast<int>(mesh.vertices.size()) - 1;
+  };
+  std::vector<std::vector<int>> index(static_cast<size_t>(rings) + 1);
+  for (int ring = 0; ring <= rings; ++ring) {
+    const bool is_pole = ring == 0 || ring == rings;
+    for (int step = 0; step < 2 * rings; ++step) {
+      index[ring].push_back(is_pole && step > 0 ? index[ring][0] : vertex(ring, step));
+    }
+  }
+  for (int ring = 0; ring < rings; ++ring) {
+    for (int step = 0; step < 2 * rings; ++step) {
+      const int next = (step + 1) % (2 * rings);
+      const std::array<int, 4> quad = {index[ring][step], index[ring + 1][step],
+                                       index[ring + 1][next], index[ring][next]};
+      if (ring + 1 < rings) mesh.triangles.push_back({.vertex = {quad[0], quad[1], quad[2]}});
+      if (ring > 0) mesh.triangles.push_back({.vertex = {quad[0], quad[2], quad[3]}});
+    }
+  }
+  return mesh;
+}
+
+// A plate in the plane z = 0 between x = 0 and 2, y = 0 and 1, whose long edge at y = 1 has eight
+// more vertices that lie `off_m` beside it by turns.
+Mesh plate(double off_m) {
+  Mesh mesh;
+  mesh.parts = {{"Plate (left)"}};
+  mesh.vertices = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}};
+  for (int i = 8; i >= 1; --i) {
+    mesh.vertices.emplace_back(2.0 * i / 9, 1 + (i % 2 == 0 ? off_m : -off_m), 0);
+  }
+  mesh.vertices.emplace_back(0, 1, 0);
+  for (int v = 2; v < static_cast<int>(mesh.vertices.size()); ++v) {
+    mesh.triangles.push_back({.vertex = {0, v - 1, v}});
+  }
+  return mesh;
+}
+
+void expect_cube_vertices(const std::vector<FeatureProposal>& proposals) {
+  ASSERT_EQ(proposals.size(), 8u);
+  std::set<std::vector<bool>> octants;
+  for (const FeatureProposal& proposal : proposals) {
+    const Eigen::Vector3d& p = proposal.feature.position_m;
+    EXPECT_LT((p.cwiseAbs() - Eigen::Vector3d::Constant(0.5)).norm(), 1e-9);
+    octants.insert({p.x() > 0, p.y() > 0, p.z() > 0});
+    for (const Edge& edge : proposal.feature.edges) {
+      EXPECT_EQ(edge.begin_m, p);
+      EXPECT_NEAR((edge.end_m - edge.begin_m).norm(), 1, 1e-9);
+    }
+    // Both edges are in sight from 5 of 8 octants; from some of those at too narrow an angle.
+    EXPECT_NEAR(proposal.visible_fraction, 0.6, 0.04);
+    EXPECT_GT(proposal.outline_fraction, 0.3);
+  }
+  EXPECT_EQ(octants.size(), 8u);
+}
+
+TEST(Proposal, ACubeHasItsVertices) {
+  expect_cube_vertices(propose(build_cube().mesh));
+}
+
+TEST(Proposal, WindingsDoNotMatter) {
+  Mesh mesh = build_cube().mesh;
+  for (size_t i = 0; i < mesh.triangles.size(); i += 2) {
+    std::swap(mesh.triangles[i].vertex[0], mesh.triangles[i].vertex[1]);
+  }
+  expect_cube_vertices(propose(mesh));
+}
+
+TEST(Proposal, ABallHasNothing) {
+  EXPECT_TRUE(propose(ball(24)).empty());
+}
+
+TEST(Proposal, NearlyStraightEdgesAreOne) {
+  const double size_m = std::sqrt(5.0);
+  const double straightness = ProposalOptions{}.straightness;
+  const auto corners = propose(plate(0.3 * straightness * size_m));
+  ASSERT_EQ(corners.size(), 4u);
+  for (const FeatureProposal& corner : corners) {
+    const Eigen::Vector3d& p = corner.feature.position_m;
+    EXPECT_NEAR(std::abs(p.x() - 1), 1, straightness * size_m);
+    EXPECT_NEAR(std::abs(p.y() - 0.5), 0.5, straightness * size_m);
+    const double longer_m = std::max((corner.feature.edges[0].end_m - p).norm(),
+                                     (corner.feature.edges[1].end_m - p).norm());
+    EXPECT_NEAR(longer_m, 2, 1e-2);
+  }
+  // A zigzag far beyond the tolerance is no straight edge of that length.
+  for (const FeatureProposal& corner : propose(plate(20 * straightness * size_m))) {
+    for (const Edge& edge : corner.feature.edges) {
+      const bool is_on_zigzag = edge.begin_m.y() > 0.9 && edge.end_m.y() > 0.9;
+      EXPECT_FALSE(is_on_zigzag && (edge.end_m - edge.begin_m).norm() > 0.5);
+    }
+  }
+}
+
+// Else the feature has no outline, and extractors that go by the mesh have nothing to go by.
+TEST(Proposal, TheMeshsOwnEdgesLieWithinTheClearanceOfThoseProposed) {
+  const double size_m = std::sqrt(5.0);
+  const Mesh mesh = plate(0.3 * ProposalOptions{}.straightness * size_m);
+  const auto corners = propose(mesh);
+  ASSERT_EQ(corners.size(), 4u);
+  int without_clearance = 0;
+  for (const FeatureProposal& corner : corners) {
+    TargetFeature feature = corner.feature;
+    const FeatureShape shape = feature_shapes(mesh, {feature}).front();
+    EXPECT_FALSE(shape.edges.empty());
+    for (const auto& along : shape.along) EXPECT_FALSE(along.empty());
+    feature.clearance_m = 0;
+    const FeatureShape bare = feature_shapes(mesh, {feature}).front();
+    without_clearance += std::any_of(bare.along.begin(), bare.along.end(),
+                                     [](const auto& along) { return along.empty(); });
+  }
+  EXPECT_GT(without_clearance, 0) << "the edges are not as bent as they should be";
+}
+
+TEST(Proposal, NamesComeFromParts) {
+  std::set<std::string> names;
+  for (const FeatureProposal& corner : propose(plate(0))) names.insert(corner.feature.name);
+  EXPECT_THAT(names,
+              testing::ElementsAre("plate_left_1", "plate_left_2", "plate_left_3", "plate_left_4"));
+}
+
+TEST(Proposal, OptionsFilter) {
+  const Mesh cube = build_cube().mesh;
+  EXPECT_EQ(propose(cube, {.max_features = 3}).size(), 3u);
+  EXPECT_TRUE(propose(cube, {.sharp_angle_deg = 95}).empty());
+  EXPECT_TRUE(propose(cube, {.min_length = 0.6}).empty());  // an edge is 0.577 of the size
+  EXPECT_EQ(propose(cube, {.min_length = 0.57}).size(), 8u);
+  EXPECT_TRUE(propose(cube, {.min_visible_fraction = 0.95}).empty());
+  EXPECT_EQ(propose(cube, {.min_distance = 0.6}).size(), 4u);
+}
+
+TEST(Proposal, WhatLiesInsideIsNotProposed) {
+  Mesh mesh = build_cube().mesh;
+  const Mesh inner = build_cube().mesh;
+  const int offset = static_cast<int>(mesh.vertices.size());
+  for (const Eigen::Vector3d& v : inner.vertices) mesh.vertices.push_back(0.5 * v);
+  for (Triangle triangle : inner.triangles) {
+    for (int& v : triangle.vertex) v += offset;
+    mesh.triangles.push_back(triangle);
+  }
+  expect_cube_vertices(propose(mesh));
+}
+
+TEST(Proposal, FindsWhatABuilderDeclares) {
+  const auto target = load_target("boeing707");
+  const auto proposals = propose_features(target->mesh, target->occluder);
+  EXPECT_GE(proposals.size(), 12u);
+  int declared = 0, found = 0;
+  for (const TargetFeature& feature : target->features) {
+    if (feature.kind != FeatureKind::kLineIntersection) continue;
+    ++declared;
+    const double size_m = 66;
+    found += std::any_of(proposals.begin(), proposals.end(), [&](const FeatureProposal& proposal) {
+      return (proposal.feature.position_m - feature.position_m).norm() < 0.002 * size_m;
+    });
+  }
+  EXPECT_EQ(declared, 12);
+  EXPECT_GE(found, 8);
+}
+
+}  // namespace
+}  // namespace sightline

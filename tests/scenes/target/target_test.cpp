@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/target/target.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scenes/builders/cube.h"
+#include "scenes/files/assets.h"
+#include "scenes/files/input_error.h"
+#include "tests/scenes/error_text.h"
+#include "tests/scenes/temporary_folder.h"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr const char* kHead =
+    "name = 'box'\n[mesh]\nfile = 'cube.glb'\nforward = '+z'\nup = '+y'\n";
+constexpr const char* kVertex =
+    "[[feature]]\nname = 'v'\nkind = 'line_intersection'\nposition_m = [0.5, 0.5, 0.5]\n"
+    "edges_m = [[[0.5, 0.5, 0.5], [-0.5, 0.5, 0.5]], [[0.5, 0.5, 0.5], [0.5, -0.5, 0.5]]]\n";
+
+class TargetFile : public testing::Test {
+ protected:
+  TargetFile() { write_glb(build_cube().mesh, folder_.path() / "cube.glb"); }
+
+  std::shared_ptr<const Target> load(const std::string& text) const {
+    return load_target(folder_.write("target.toml", text).string());
+  }
+  std::string target_error(const std::string& text) const {
+    return error_of([&] { load(text); });
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(TargetFile, LoadsMeshAndFeatures) {
+  const auto target = load(std::string(kHead) + kVertex);
+  EXPECT_EQ(target->name, "box");
+  ASSERT_EQ(target->features.size(), 1u);
+  EXPECT_EQ(target->features[0].kind, FeatureKind::kLineIntersection);
+  EXPECT_EQ(target->features[0].edges[1].end_m, Eigen::Vector3d(0.5, -0.5, 0.5));
+}
+
+TEST_F(TargetFile, ErrorsSayWhatIsWrong) {
+  const std::string head = kHead;
+  EXPECT_THAT(target_error("name = 'x'\n"), HasSubstr("mesh.file is missing"));
+  EXPECT_THAT(target_error("name = 'x'\n[mesh]\nfile = 'no.glb'\n"), HasSubstr("no.glb"));
+  EXPECT_THAT(
+      target_error(head + "[[feature]]\nname = 'v'\nkind = 'lines'\nposition_m = [0, 0, 0]\n"),
+      HasSubstr("kind"));
+  EXPECT_THAT(target_error(head + kVertex + kVertex), HasSubstr("given twice"));
+  EXPECT_THAT(target_error(head + "colour = 3\n"), HasSubstr("mesh.colour is not a known key"));
+  std::string elsewhere = kVertex;
+  elsewhere.replace(elsewhere.find("[0.5, 0.5, 0.5]"), 15, "[0.5, 0.5, 0.6]");
+  EXPECT_THAT(target_error(head + elsewhere), HasSubstr("must begin at position_m"));
+}
+
+TEST_F(TargetFile, AFeatureOffTheMeshIsRefusedByName) {
+  const std::string head = kHead;
+  const auto corner = [](const std::string& x) {
+    return "[[feature]]\nname = 'tip'\nkind = 'corner'\nposition_m = [" + x + ", 0.5, 0.5]\n";
+  };
+  // 1 % of the size is 0.0173 m.
+  EXPECT_EQ(target_error(head + corner("0.517")), "");
+  EXPECT_THAT(target_error(head + corner("0.518")),
+              testing::AllOf(HasSubstr("feature[0].position_m"), HasSubstr("\"tip\""),
+                             HasSubstr("0.018 m off the mesh")));
+  EXPECT_EQ(target_error(head + corner("0.518") + "clearance_m = 0.02\n"), "");
+  EXPECT_THAT(target_error(head + kVertex + corner("9")), HasSubstr("feature[1]"));
+}
+
+TEST_F(TargetFile, EdgesThatDoNotMeetAreRefusedByName) {
+  std::string apart = kVertex;
+  apart.replace(apart.rfind("[[0.5, 0.5, 0.5]"), 16, "[[0.5, 0.4, 0.5]");
+  EXPECT_THAT(target_error(std::string(kHead) + apart), HasSubstr("\"v\": edge 1"));
+}
+
+TEST_F(TargetFile, PartsOfAFeatureMustBeGivenAndKnown) {
+  const std::string part = build_cube().mesh.parts.front().name;
+  const auto feature = [](const std::string& kind, const std::string& parts) {
+    return std::string(kHead) + "[[feature]]\nname = 'tip'\nkind = '" + kind +
+           "'\nposition_m = [0.5, 0.5, 0.5]\n" + parts;
+  };
+  EXPECT_THAT(
+      target_error(feature("contour", "")),
+      testing::AllOf(HasSubstr("feature[0].parts"), HasSubstr("\"tip\" must name the parts")));
+  EXPECT_THAT(target_error(feature("contour", "parts = []\n")), HasSubstr("must name the parts"));
+  EXPECT_EQ(target_error(feature("contour", "parts = ['" + part + "']\n")), "");
+  EXPECT_EQ(target_error(feature("corner", "")), "");
+  const std::string misspelt = target_error(feature("contour", "parts = ['" + part + "x']\n"));
+  EXPECT_THAT(misspelt, testing::AllOf(HasSubstr("of \"tip\" holds \"" + part + "x\""),
+                                       HasSubstr("did you mean '" + part + "'")));
+  EXPECT_THAT(misspelt, testing::Not(HasSubstr("\n")));
+}
+
+TEST_F(TargetFile, AMeshFileIsATargetWithoutFeatures) {
+  const auto target = load_target((folder_.path() / "cube.glb").string());
+  EXPECT_EQ(target->name, "cube");
+  EXPECT_TRUE(target->features.empty());
+}
+
+TEST(Targets, AnUnknownNameGetsASuggestion) {
+  try {
+    load_target("boing707");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("did you mean 'boeing707'"));
+  }
+}
+
+TEST(Targets, AllThatShipLoad) {
+  ASSERT_THAT(target_names(), testing::UnorderedElementsAre("boeing707", "cube"));
+  for (const std::string& name : target_names()) {
+    const auto target = load_target(name);
+    EXPECT_EQ(target->name, name);
+    EXPECT_FALSE(target->description.empty());
+    EXPECT_GE(target->features.size(), 5u);
+  }
+}
+
+TEST(Targets, ACubeHidesItsFarVertex) {
+  const auto cube = load_target("cube");
+  // Seen along the diagonal from -x -y -z, only the opposite vertex (+,+,+) is hidden.
+  const Eigen::Vector3d eye_in_target = Eigen::Vector3d(-10, -10.5, -11);
+  Pose cam_from_target;
+  cam_from_target.translation = -eye_in_target;
+  int hidden = 0;
+  for (const TargetFeature& feature : cube->features) {
+    if (!is_self_hidden(*cube, feature, cam_from_target)) continue;
+    ++hidden;
+    EXPECT_EQ(feature.position_m, Eigen::Vector3d(0.5, 0.5, 0.5)) << feature.name;
+  }
+  EXPECT_EQ(hidden, 1);
+}
+
+}  // namespace
+}  // namespace sightline
