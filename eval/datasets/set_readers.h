@@ -10,6 +10,12 @@
 
 namespace sightline {
 
+/// Metres of a millimetre, the unit of BOP and of SPEED's model file.
+inline constexpr double kMetresPerMillimetre = 1e-3;
+
+/// How far what few printed digits leave a matrix from orthonormal.
+inline constexpr double kRotationTolerance = 1e-2;
+
 /// What a set says of the target: poses in metres, of the set's own frame of the model; cameras
 /// without a size.
 struct SetReading {

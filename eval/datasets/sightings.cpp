@@ -22,9 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMetre = 1e-3;              // of a millimetre
-constexpr double kRotationTolerance = 1e-2;  // what few printed digits leave of orthonormality
-constexpr double kSkewTolerance = 1e-6;      // of the focal length
+constexpr double kSkewTolerance = 1e-6;  // of the focal length
 
 // Turns the frame that the set's poses are of into the target's.
 Eigen::Matrix3d target_from_model(bool is_of_file_axes, const Target& target) {
@@ -115,7 +113,7 @@ void give_priors(const SightingSource& source, int obj_id, const Eigen::Matrix3d
   bool has_any = false;
   for (const BopEstimate& estimate : estimates) {
     const Pose mm = cam_from_target(estimate.cam_from_model, target_from_model);
-    const Pose prior{nearest_rotation(mm.rotation), kMetre * mm.translation};
+    const Pose prior{nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
     Sighting* nearest = nullptr;
     double nearest_m = std::numeric_limits<double>::infinity();
     for (Sighting* sighting : in_image[{estimate.scene_id, estimate.im_id}]) {

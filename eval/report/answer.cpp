@@ -22,7 +22,7 @@ namespace {
 
 namespace mustache = kainjow::mustache;
 
-constexpr const char* kTemplate = R"html(
+constexpr const char* kAnswerTemplate = R"html(
 {{#has_question}}<p class="question">{{question}}</p>{{/has_question}}
 <p class="lead">{{opening}}</p>
 <ul class="findings">
@@ -166,15 +166,16 @@ std::string answer_figure(const ReportInput& input) {
   for (const PoseSolver* solver : input.study.solvers) {
     solvers << solver_line(input, *solver);
   }
-  return mustache::mustache(kTemplate).render(mustache::object{
-      {"has_question", !input.study.question.empty()},
-      {"question", input.study.question},
-      {"opening", opening(input)},
-      {"solvers", solvers},
-      {"comparisons", comparisons(input)},
-      {"angle_cap", fmt::to_string(kAngleCapDeg)},
-      {"t_cap", fmt::to_string(kTranslationCapPercent)},
-  });
+  return mustache::mustache(kAnswerTemplate)
+      .render(mustache::object{
+          {"has_question", !input.study.question.empty()},
+          {"question", input.study.question},
+          {"opening", opening(input)},
+          {"solvers", solvers},
+          {"comparisons", comparisons(input)},
+          {"angle_cap", fmt::to_string(kAngleCapDeg)},
+          {"t_cap", fmt::to_string(kTranslationCapPercent)},
+      });
 }
 
 }  // namespace sightline

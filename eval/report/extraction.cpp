@@ -20,7 +20,7 @@ namespace {
 namespace mustache = kainjow::mustache;
 
 // One table for all trials and, with several conditions, one for each: the same columns.
-constexpr const char* kTemplate = R"html(
+constexpr const char* kExtractionTemplate = R"html(
 <div class="scroll" role="region" aria-label="Feature extraction, table" tabindex="0">
 <table>
 <caption><span>{{caption}}</span></caption>
@@ -188,15 +188,16 @@ std::string extraction_figure(const ReportInput& input) {
   if (input.study.kind != StudyKind::kImages || input.study.features.empty()) return "";
   mustache::data features(mustache::data::type::list);
   for (const auto& [name, totals] : totals_of(input)) features << row(name, totals);
-  return mustache::mustache(kTemplate).render(mustache::object{
-      {"caption", fmt::format("Features over {}.",
-                              counted(static_cast<int64_t>(input.trials.size()), "trial"))},
-      {"features", features},
-      {"outlier_px", fmt::to_string(input.study.setups.front().limits.outlier_px)},
-      {"extractors", extractor_names(input.study.setups.front())},
-      {"has_conditions", input.study.conditions.size() > 1},
-      {"conditions", condition_groups(input)},
-  });
+  return mustache::mustache(kExtractionTemplate)
+      .render(mustache::object{
+          {"caption", fmt::format("Features over {}.",
+                                  counted(static_cast<int64_t>(input.trials.size()), "trial"))},
+          {"features", features},
+          {"outlier_px", fmt::to_string(input.study.setups.front().limits.outlier_px)},
+          {"extractors", extractor_names(input.study.setups.front())},
+          {"has_conditions", input.study.conditions.size() > 1},
+          {"conditions", condition_groups(input)},
+      });
 }
 
 }  // namespace sightline

@@ -26,7 +26,7 @@ namespace mustache = kainjow::mustache;
 using nlohmann::ordered_json;
 
 // The legend's boxes need no script: a rule each hides a layer whose box is not ticked.
-constexpr const char* kTemplate = R"html(
+constexpr const char* kFramesTemplate = R"html(
 <p>{{shown}} of {{trials}}, run again for their pictures: the image as the extractor saw it, what it
 found, and the target’s outline at each solver’s pose. The tables state the stored trials.</p>
 <div class="explorer" hidden></div>
@@ -381,13 +381,14 @@ std::string frames_figure(const ReportInput& input) {
   for (size_t i = 0; i < input.frames.size(); ++i) {
     frames << frame_section(input.study, input.frames[i], i + 1);
   }
-  return mustache::mustache(kTemplate).render(mustache::object{
-      {"shown", fmt::to_string(input.frames.size())},
-      {"trials", counted(static_cast<int64_t>(input.trials.size()), "trial")},
-      {"layers", legend(input.study)},
-      {"frames", frames},
-      {"data", trial_list(input)},
-  });
+  return mustache::mustache(kFramesTemplate)
+      .render(mustache::object{
+          {"shown", fmt::to_string(input.frames.size())},
+          {"trials", counted(static_cast<int64_t>(input.trials.size()), "trial")},
+          {"layers", legend(input.study)},
+          {"frames", frames},
+          {"data", trial_list(input)},
+      });
 }
 
 }  // namespace sightline

@@ -35,7 +35,7 @@ std::string quoted(const std::string& text) {
   return out;
 }
 
-std::string number(double value) {
+std::string gnuplot_number(double value) {
   return std::isfinite(value) ? fmt::format("{:.10g}", value) : "NaN";
 }
 
@@ -61,9 +61,9 @@ std::string axis_script(const char* name, const ChartAxis& axis) {
         fmt::format("set {}tics rotate by -30 ({})\nset {}range [-0.5:{}]\n", name,
                     fmt::join(places, ", "), name, static_cast<double>(axis.names.size()) - 0.5);
   } else if (!std::isnan(axis.low) || !std::isnan(axis.high)) {
-    script +=
-        fmt::format("set {}range [{}:{}]\n", name, std::isnan(axis.low) ? "*" : number(axis.low),
-                    std::isnan(axis.high) ? "*" : number(axis.high));
+    script += fmt::format("set {}range [{}:{}]\n", name,
+                          std::isnan(axis.low) ? "*" : gnuplot_number(axis.low),
+                          std::isnan(axis.high) ? "*" : gnuplot_number(axis.high));
   }
   return script;
 }
@@ -182,7 +182,7 @@ std::string gnuplot_data(const Chart& chart) {
       for (const Column& column : kColumns) {
         const std::vector<double>& values = series.*column.values;
         text += separator;
-        text += values.empty() ? "NaN" : number(values[i]);
+        text += values.empty() ? "NaN" : gnuplot_number(values[i]);
         separator = " ";
       }
       text += '\n';

@@ -13,7 +13,7 @@ namespace {
 
 namespace mustache = kainjow::mustache;
 
-constexpr const char* kTemplate = R"html(
+constexpr const char* kProvenanceTemplate = R"html(
 <h3>This run</h3>
 <dl class="facts">
 {{#facts}}<dt>{{key}}</dt><dd>{{value}}</dd>
@@ -138,22 +138,23 @@ std::string provenance_figure(const ReportInput& input) {
   const double outlier_px =
       input.study.setups.empty() ? 0 : input.study.setups.front().limits.outlier_px;
   const bool has_typed = typed != input.meta.end();
-  return mustache::mustache(kTemplate).render(mustache::object{
-      {"facts", facts_of(input)},
-      {"repeat", repeat_command(input)},
-      {"has_typed", has_typed},
-      {"typed", has_typed ? typed->second : ""},
-      {"outlier_px", fmt::to_string(outlier_px)},
-      {"rendered", input.study.kind == StudyKind::kImages && !input.study.sightings},
-      {"images", input.study.kind == StudyKind::kImages},
-      {"orientation", input.study.kind == StudyKind::kOrientation},
-      {"timed", input.study.pairs.timed_repeats > 0},
-      {"repeats", fmt::to_string(input.study.pairs.timed_repeats)},
-      {"copies", fmt::to_string(input.study.pairs.copies)},
-      {"angle_cap", fmt::to_string(kAngleCapDeg)},
-      {"t_cap", fmt::to_string(kTranslationCapPercent)},
-      {"toml", input.study.toml},
-  });
+  return mustache::mustache(kProvenanceTemplate)
+      .render(mustache::object{
+          {"facts", facts_of(input)},
+          {"repeat", repeat_command(input)},
+          {"has_typed", has_typed},
+          {"typed", has_typed ? typed->second : ""},
+          {"outlier_px", fmt::to_string(outlier_px)},
+          {"rendered", input.study.kind == StudyKind::kImages && !input.study.sightings},
+          {"images", input.study.kind == StudyKind::kImages},
+          {"orientation", input.study.kind == StudyKind::kOrientation},
+          {"timed", input.study.pairs.timed_repeats > 0},
+          {"repeats", fmt::to_string(input.study.pairs.timed_repeats)},
+          {"copies", fmt::to_string(input.study.pairs.copies)},
+          {"angle_cap", fmt::to_string(kAngleCapDeg)},
+          {"t_cap", fmt::to_string(kTranslationCapPercent)},
+          {"toml", input.study.toml},
+      });
 }
 
 }  // namespace sightline

@@ -21,7 +21,7 @@ namespace {
 
 namespace mustache = kainjow::mustache;
 
-constexpr const char* kTemplate = R"html(
+constexpr const char* kSilhouetteTemplate = R"html(
 <div class="scroll" role="region" aria-label="Outline beside the features, table" tabindex="0">
 <table>
 <caption><span>{{caption}}</span></caption>
@@ -95,12 +95,14 @@ std::string silhouette_figure(const ReportInput& input) {
   const bool is_some = views.size() < input.trials.size();
   const std::string all = counted(static_cast<int64_t>(input.trials.size()), "trial");
   const std::string some = fmt::format("{} of {}", views.size(), all);
-  return mustache::mustache(kTemplate).render(mustache::object{
-      {"caption", fmt::format("The outline beside each feature, at the true poses of {}.",
-                              is_some ? some : all)},
-      {"features", features},
-      {"random", is_some && views.size() == kSilhouetteViews ? ", of poses chosen at random" : ""},
-  });
+  return mustache::mustache(kSilhouetteTemplate)
+      .render(mustache::object{
+          {"caption", fmt::format("The outline beside each feature, at the true poses of {}.",
+                                  is_some ? some : all)},
+          {"features", features},
+          {"random",
+           is_some && views.size() == kSilhouetteViews ? ", of poses chosen at random" : ""},
+      });
 }
 
 }  // namespace sightline

@@ -20,7 +20,7 @@ namespace {
 namespace mustache = kainjow::mustache;
 
 // A row a condition and solver, so that any number of solvers is as wide as one.
-constexpr const char* kTemplate = R"html(
+constexpr const char* kTableTemplate = R"html(
 <div class="scroll" role="region" aria-label="Pose errors, table" tabindex="0">
 <table class="poses">
 <caption><span>{{caption}}</span></caption>
@@ -290,19 +290,20 @@ std::string table_figure(const ReportInput& input) {
   const auto lost = lost_trials(input);
   size_t lost_count = 0;
   for (const std::vector<int64_t>& of_condition : lost) lost_count += of_condition.size();
-  return mustache::mustache(kTemplate).render(mustache::object{
-      {"caption", caption(input.study)},
-      {"note", note(input.study)},
-      {"beside", has_paper_figures(input.study) ? "paper" : "median"},
-      {"groups", groups(input)},
-      {"has_lost", lost_count > 0},
-      {"lost_how", input.study.sightings ? "run" : "imaged"},
-      {"lost_count", fmt::format("{} of {}", lost_count,
-                                 counted(static_cast<int64_t>(input.trials.size()), "trial"))},
-      {"lost", lost_lines(input.study, lost)},
-      {"failures", failures(input.summary)},
-      {"detail_groups", detail_groups(input)},
-  });
+  return mustache::mustache(kTableTemplate)
+      .render(mustache::object{
+          {"caption", caption(input.study)},
+          {"note", note(input.study)},
+          {"beside", has_paper_figures(input.study) ? "paper" : "median"},
+          {"groups", groups(input)},
+          {"has_lost", lost_count > 0},
+          {"lost_how", input.study.sightings ? "run" : "imaged"},
+          {"lost_count", fmt::format("{} of {}", lost_count,
+                                     counted(static_cast<int64_t>(input.trials.size()), "trial"))},
+          {"lost", lost_lines(input.study, lost)},
+          {"failures", failures(input.summary)},
+          {"detail_groups", detail_groups(input)},
+      });
 }
 
 }  // namespace sightline

@@ -24,7 +24,6 @@ namespace sightline {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMspdWidth = 640;    // px, the image that MSPD's thresholds are of
 constexpr double kAddFraction = 0.1;  // of the diameter
 constexpr double kGoodProjectionPx = 5;
@@ -121,9 +120,11 @@ class Group {
       for_each_match([&](const BopPair& p) { return p.mspd_px * width_scale; }, bop_pixels(i),
                      [&](size_t column, size_t) { targets[column].mspd[i] = true; });
       for (int tau = 0; tau < kBopThresholds; ++tau) {
-        for_each_match([&](const BopPair& p) { return p.vsd.empty() ? kInfinity : p.vsd[tau]; },
-                       fraction,
-                       [&](size_t column, size_t) { targets[column].vsd[tau][i] = true; });
+        for_each_match(
+            [&](const BopPair& p) {
+              return p.vsd.empty() ? std::numeric_limits<double>::infinity() : p.vsd[tau];
+            },
+            fraction, [&](size_t column, size_t) { targets[column].vsd[tau][i] = true; });
       }
     }
     const double add_limit_mm = kAddFraction * model_.diameter_mm;
@@ -131,7 +132,8 @@ class Group {
                    [&](size_t column, size_t) { targets[column].is_add_good = true; });
     for_each_match([](const BopPair& p) { return p.adi_mm; }, add_limit_mm,
                    [&](size_t column, size_t) { targets[column].is_adi_good = true; });
-    for_each_match([](const BopPair& p) { return p.mssd_mm; }, kInfinity,
+    for_each_match([](const BopPair& p) { return p.mssd_mm; },
+                   std::numeric_limits<double>::infinity(),
                    [&](size_t column, size_t row) { targets[column].chosen = row; });
     return targets;
   }
@@ -222,7 +224,8 @@ ErrorSummary summary_of(std::span<const BopTarget* const> targets, double BopPai
                         double cap, std::string_view name) {
   std::vector<double> errors;
   for (const BopTarget* target : targets) {
-    errors.push_back(target->chosen ? target->pairs[*target->chosen].*error : kInfinity);
+    errors.push_back(target->chosen ? target->pairs[*target->chosen].*error
+                                    : std::numeric_limits<double>::infinity());
   }
   return summarise(errors, cap, kSeed, name);
 }

@@ -21,7 +21,6 @@ namespace {
 
 namespace mustache = kainjow::mustache;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr size_t kMostObjects = 12;  // with curves of their own
 constexpr size_t kMostWorst = 30;
 constexpr size_t kMostPictures = 12;  // of them
@@ -174,8 +173,8 @@ std::vector<ErrorSample> samples_of(const ScoreReportInput& input, const PairErr
   std::map<int, std::vector<double>> by_object;
   for (const BopTarget& target : input.scores.targets) {
     const BopPair* pair = chosen_of(target);
-    const double value =
-        pair == nullptr ? kInfinity : error.of(*pair, input.truth.models.at(target.obj_id));
+    const double value = pair == nullptr ? std::numeric_limits<double>::infinity()
+                                         : error.of(*pair, input.truth.models.at(target.obj_id));
     samples.front().errors.push_back(value);
     by_object[target.obj_id].push_back(value);
   }

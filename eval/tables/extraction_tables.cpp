@@ -14,7 +14,6 @@
 namespace sightline {
 namespace {
 
-constexpr size_t kLongestLabel = 42;
 constexpr double kDegree = std::numbers::pi / 180;
 
 std::string percent(double rate) {

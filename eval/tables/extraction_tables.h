@@ -9,6 +9,9 @@
 
 namespace sightline {
 
+/// Labels of conditions are shortened to so many characters in tables of results.
+inline constexpr size_t kLongestLabel = 42;
+
 /// For the terminal: how often features are found, wrong and how far off, a row a cell.
 std::string localisation_block(const Study& study, const ExtractionStatistics& statistics);
 

@@ -20,7 +20,6 @@
 namespace sightline {
 namespace {
 
-constexpr size_t kLongestLabel = 42;
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 using Texts = std::vector<std::string>;

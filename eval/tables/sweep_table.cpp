@@ -14,7 +14,7 @@
 namespace sightline {
 namespace {
 
-constexpr size_t kLongestLabel = 30;
+constexpr size_t kLongestSweptLabel = 30;
 constexpr double kLeastShown = 0.01;  // smaller values do not ask for more decimals
 
 using Cell = CellSummary;
@@ -94,7 +94,8 @@ std::string block(const Study& study, const Summary& summary, const SweepQuantit
   const int decimals = sweep_decimals(summary, quantity);
   const int conditions = static_cast<int>(study.conditions.size());
   std::vector<std::string> labels;
-  for (const Condition& c : study.conditions) labels.push_back(shortened(c.label, kLongestLabel));
+  for (const Condition& c : study.conditions)
+    labels.push_back(shortened(c.label, kLongestSweptLabel));
   std::vector<TextGroup> groups;
   for (const std::string& solver : study.solver_names()) {
     TextColumn column{solver, {}};

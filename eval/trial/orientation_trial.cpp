@@ -15,7 +15,7 @@
 namespace sightline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kDegreeInRad = std::numbers::pi / 180;
 
 using Points = std::vector<Eigen::Vector3d>;
 
@@ -61,11 +61,11 @@ void add_errors(const OrientationEstimate& estimate, const Pose& truth, Orientat
   };
   const Pose& pose = estimate.b_from_a;
   sums.angle_error_deg +=
-      capped(mean_angle_error_rad(pose.rotation, truth.rotation) / kDegree, kAngleCapDeg);
+      capped(mean_angle_error_rad(pose.rotation, truth.rotation) / kDegreeInRad, kAngleCapDeg);
   sums.theta_error_deg +=
-      capped(attitude_error_rad(pose.rotation, truth.rotation) / kDegree, kAngleCapDeg);
+      capped(attitude_error_rad(pose.rotation, truth.rotation) / kDegreeInRad, kAngleCapDeg);
   sums.geodesic_deg +=
-      capped(geodesic_angle_rad(pose.rotation, truth.rotation) / kDegree, kAngleCapDeg);
+      capped(geodesic_angle_rad(pose.rotation, truth.rotation) / kDegreeInRad, kAngleCapDeg);
   sums.t_error_percent +=
       capped(100 * translation_error_fraction(pose.translation, truth.translation),
              kTranslationCapPercent);

@@ -11,6 +11,7 @@
 #include <Eigen/LU>
 #include <fmt/format.h>
 
+#include "eval/datasets/set_readers.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -18,7 +19,6 @@ namespace {
 
 constexpr std::string_view kHeader = "scene_id,im_id,obj_id,score,R,t,time";
 constexpr size_t kFields = 7;
-constexpr double kRotationTolerance = 1e-2;
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r";

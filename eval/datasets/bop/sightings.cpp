@@ -19,8 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMetre = 1e-3;  // of a millimetre
-
 int object_of(const SightingSource& source, const std::vector<BopImage>& images) {
   std::set<int> objects;
   for (const BopImage& image : images) {
@@ -73,7 +71,7 @@ Camera camera_of(const BopImage& image, const BrownConrady& distortion) {
 Pose pose_of(const BopImage& image, int gt_id) {
   const Pose& mm = image.instances[gt_id].cam_from_model;
   try {
-    return {nearest_rotation(mm.rotation), kMetre * mm.translation};
+    return {nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: image {}: cam_R_m2c {}",
                                  (image.folder / "scene_gt.json").string(), image.im_id,
@@ -102,7 +100,8 @@ SetReading read_bop_sightings(const SightingSource& source) {
   }
   if (const auto model = bop_model_box(source.folder, reading.obj_id)) {
     reading.model_file = model->file;
-    reading.model_box_m.emplace(kMetre * model->box_mm.min(), kMetre * model->box_mm.max());
+    reading.model_box_m.emplace(kMetresPerMillimetre * model->box_mm.min(),
+                                kMetresPerMillimetre * model->box_mm.max());
   }
   return reading;
 }

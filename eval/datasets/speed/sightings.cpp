@@ -22,7 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kHalfPixel = 0.5;
-constexpr double kMetre = 1e-3;                // of a millimetre, in model/target.ply
 constexpr double kQuaternionTolerance = 1e-2;  // what few printed digits leave of its length
 
 std::vector<fs::path> lists_in(const fs::path& folder, const std::vector<std::string>& names) {
@@ -113,7 +112,7 @@ void add_model(const fs::path& folder, SetReading& reading) {
   if (!fs::exists(reading.model_file)) return;
   reading.model_box_m.emplace();
   for (const Eigen::Vector3d& vertex : read_ply_as_it_is(reading.model_file).vertices) {
-    reading.model_box_m->extend(kMetre * vertex);
+    reading.model_box_m->extend(kMetresPerMillimetre * vertex);
   }
 }
 
