@@ -14,7 +14,7 @@
 #include <opencv2/core.hpp>
 
 #include "eval/benchmarks/benches.h"
-#include "eval/study/study.h"
+#include "eval/study/study_file.h"
 #include "eval/trial/image_trial.h"
 #include "features/extractor.h"
 #include "features/prediction.h"
@@ -42,7 +42,9 @@ struct ExtractionCase {
   PredictedView view;
 };
 
-std::vector<ExtractionCase> cases_for(const Study& study, const FeatureExtractor& extractor) {
+std::vector<ExtractionCase> cases_for(const Study& of_seed, const FeatureExtractor& extractor) {
+  const ImageStudy& study = *of_seed.images();
+  const uint64_t seed = of_seed.seed;
   const ImageSetup& setup = study.setups.front();
   std::vector<int> features;
   for (const int feature : study.features) {
@@ -53,11 +55,11 @@ std::vector<ExtractionCase> cases_for(const Study& study, const FeatureExtractor
   Renderer renderer;
   std::vector<ExtractionCase> cases;
   for (int i = 0; i < kFrames; ++i) {
-    const Scene scene = draw_scene(setup.scene, 0, study.seed, i).scene;
-    RandomStream prior_stream(study.seed, "prior", static_cast<uint64_t>(i));
+    const Scene scene = draw_scene(setup.scene, 0, seed, i).scene;
+    RandomStream prior_stream(seed, "prior", static_cast<uint64_t>(i));
     const Pose prior = draw_prior(scene.cam_from_target, scene.camera, setup.prior, prior_stream);
     cases.push_back(
-        {renderer.render(scene, RandomStream(study.seed, "sensor", static_cast<uint64_t>(i))).image,
+        {renderer.render(scene, RandomStream(seed, "sensor", static_cast<uint64_t>(i))).image,
          predict_features(*study.target, features, scene.camera,
                           prior_of(prior, scene.camera, setup.prior))});
   }
@@ -76,7 +78,7 @@ void run_extractor(benchmark::State& state, const FeatureExtractor& extractor,
     const ExtractionCase& frame = cases[next];
     next = (next + 1) % cases.size();
     const std::vector<Observation> observations = extract_features(
-        frame.image, 255, frame.view, choice, study.setups.front().extractor_options);
+        frame.image, 255, frame.view, choice, study.images()->setups.front().extractor_options);
     for (const Observation& observation : observations) {
       windows += observation.status != ObservationStatus::kHidden &&
                  observation.status != ObservationStatus::kOutsideImage;
@@ -91,7 +93,7 @@ void run_pipeline(benchmark::State& state, const std::string& target) {
   Renderer renderer;
   int64_t trial = 0;
   for (auto _ : state) {
-    benchmark::DoNotOptimize(run_trial(study, trial, renderer));
+    benchmark::DoNotOptimize(run_image_trial(*study.images(), study.seed, trial, renderer));
     trial = (trial + 1) % study.trial_count();
   }
   state.counters["frames_per_s"] =

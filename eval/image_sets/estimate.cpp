@@ -87,14 +87,15 @@ std::string in_time(double seconds) {
 std::string warnings_of(const SetPlan& plan) {
   std::string text;
   const double reach_m = 65535 * plan.depth_scale / 1000;
-  const double far_m = farthest_m(plan.study);
+  const double far_m = farthest_m(plan.images());
   if (reach_m < far_m) {
     text += fmt::format(
         "warning: depth_scale {} ends at {:.6g} m, the scenes reach {:.6g} m; what is beyond gets "
         "depth 0 (finest that reaches all: {})\n",
         plan.depth_scale, reach_m, far_m, finest_depth_scale(far_m));
   }
-  if (!plan.study.camera.distortion.is_zero() && plan.format->name == "bop") {
+  if (!plan.images().setups.front().scene.camera.distortion.is_zero() &&
+      plan.format->name == "bop") {
     text += "warning: BOP has no lens distortion; it stands in dataset_info.md and sightline/\n";
   }
   return text;
@@ -119,13 +120,14 @@ std::string estimate_set(const SetPlan& plan, int jobs, const fs::path& out) {
       "an image    {:.1f} ms to render, {:.1f} ms to encode, {:.3g} files, {}\n"
       "time        {} with {} job{} ({:.0f} images/s, if there is a processor for each)\n"
       "disk        {} in {:.0f} files, {} in blocks of {} bytes\n",
-      plan.count, plan.study.camera.width_px, plan.study.camera.height_px, plan.chunk,
-      plan.format->name, plan.has_full_truth ? "full" : "minimal", cost.render_ms / n,
-      cost.encode_ms / n, cost.files / n, in_bytes(cost.bytes / n),
-      in_time(image_ms * images / 1000 / jobs), jobs, jobs == 1 ? "" : "s", 1000 * jobs / image_ms,
-      in_bytes(cost.bytes / n * images), cost.files / n * images, in_bytes(disk), kBlock);
+      plan.count, plan.images().setups.front().scene.camera.width_px,
+      plan.images().setups.front().scene.camera.height_px, plan.chunk, plan.format->name,
+      plan.has_full_truth ? "full" : "minimal", cost.render_ms / n, cost.encode_ms / n,
+      cost.files / n, in_bytes(cost.bytes / n), in_time(image_ms * images / 1000 / jobs), jobs,
+      jobs == 1 ? "" : "s", 1000 * jobs / image_ms, in_bytes(cost.bytes / n * images),
+      cost.files / n * images, in_bytes(disk), kBlock);
   text += fmt::format("depth_scale {} mm a step: reaches {:.6g} m, the scenes reach {:.6g} m\n",
-                      plan.depth_scale, 65.535 * plan.depth_scale, farthest_m(plan.study));
+                      plan.depth_scale, 65.535 * plan.depth_scale, farthest_m(plan.images()));
   const std::optional<double> free = free_bytes(out);
   if (free && *free < disk) {
     text += fmt::format("warning: only {} are free there\n", in_bytes(*free));

@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "eval/image_sets/set_format.h"
+#include "eval/study/study_file.h"
 #include "renderer/gl_context.h"
 #include "scenes/files/assets.h"
 #include "scenes/files/input_error.h"
@@ -26,7 +27,7 @@ bool is_same(const Target& a, const Target& b) {
   return &a == &b || (a.name == b.name && a.mesh.vertices == b.mesh.vertices);
 }
 
-std::vector<std::shared_ptr<const Target>> objects_of(const Study& study) {
+std::vector<std::shared_ptr<const Target>> objects_of(const ImageStudy& study) {
   std::vector<std::shared_ptr<const Target>> objects = {study.target};
   for (const ImageSetup& setup : study.setups) {
     for (const OtherLaw& other : setup.scene.others) {
@@ -132,7 +133,7 @@ Study read_set_study(const std::string& source, const StudyOverrides& overrides)
                          overrides);
 }
 
-double farthest_m(const Study& study) {
+double farthest_m(const ImageStudy& study) {
   double far_m = 0;
   for (const ImageSetup& setup : study.setups) far_m = std::max(far_m, farthest_of(setup.scene));
   return far_m;
@@ -159,8 +160,8 @@ SetPlan plan_set(const SetRequest& request) {
   plan.chunk = request.chunk;
   plan.has_full_truth = request.has_full_truth;
   plan.gl = request.gl;
-  plan.depth_scale = request.depth_scale.value_or(finest_depth_scale(farthest_m(plan.study)));
-  plan.objects = objects_of(plan.study);
+  plan.depth_scale = request.depth_scale.value_or(finest_depth_scale(farthest_m(plan.images())));
+  plan.objects = objects_of(plan.images());
   return plan;
 }
 
@@ -181,7 +182,7 @@ SetPlan read_plan(const fs::path& folder) {
     plan.has_full_truth = json.at("truth") == "full";
     plan.gl = json.at("gl").get<std::string>();
     plan.depth_scale = json.at("depth_scale").get<double>();
-    plan.objects = objects_of(plan.study);
+    plan.objects = objects_of(plan.images());
     const bool is_sound =
         plan.count > 0 && plan.chunk > 0 && plan.depth_scale > 0 && gl_choice(plan.gl).has_value();
     if (!is_sound || manifest_of(plan) != text) {
@@ -195,10 +196,10 @@ SetPlan read_plan(const fs::path& folder) {
 }
 
 DrawnScene draw_scene(const SetPlan& plan, int64_t index) {
-  const Study& study = plan.study;
-  const int condition = study.condition_of(index);
-  return draw_scene(study.setup_of(condition).scene, study.conditions[condition].pose, study.seed,
-                    study.draw_of(index));
+  const ImageStudy& images = plan.images();
+  const int condition = plan.study.condition_of(index);
+  return draw_scene(images.setup_of(condition).scene, images.cells[condition].pose, plan.study.seed,
+                    images.draw_of(index));
 }
 
 SetImage render_image(const SetPlan& plan, int64_t index, Renderer& renderer) {
@@ -206,7 +207,7 @@ SetImage render_image(const SetPlan& plan, int64_t index, Renderer& renderer) {
   image.index = index;
   image.drawn = draw_scene(plan, index);
   if (!image.drawn.is_imageable) return image;
-  const auto draw = static_cast<uint64_t>(plan.study.draw_of(index));
+  const auto draw = static_cast<uint64_t>(plan.images().draw_of(index));
   image.frame = renderer.render(image.drawn.scene, RandomStream(plan.study.seed, "sensor", draw));
   return image;
 }

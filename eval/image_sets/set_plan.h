@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "eval/study/study.h"
+#include "eval/study/study_file.h"
 #include "renderer/frame.h"
 #include "renderer/renderer.h"
 
@@ -19,7 +19,7 @@ struct SetFormat;
 
 /// Everything that determines an image set, byte by byte.
 struct SetPlan {
-  Study study;        ///< what the images show
+  Study study;        ///< what the images show; always one of images
   int64_t count = 0;  ///< of images; image i is that of the study's trial i
   int chunk = 1000;   ///< images a numbered scene of the set
   const SetFormat* format = nullptr;
@@ -29,6 +29,8 @@ struct SetPlan {
   /// The distinct targets whose poses are told; the id of the first is 1.
   std::vector<std::shared_ptr<const Target>> objects;
 
+  /// The study as what it is: one of images.
+  const ImageStudy& images() const { return *study.images(); }
   int64_t chunk_count() const { return (count + chunk - 1) / chunk; }
   int64_t chunk_of(int64_t index) const { return index / chunk; }
   int64_t number_in_chunk(int64_t index) const { return index % chunk; }
@@ -57,7 +59,7 @@ std::string default_scene(const std::string& target);
 SetPlan plan_set(const SetRequest& request);
 
 /// The farthest that any body of the plan's scenes reaches, metres.
-double farthest_m(const Study& study);
+double farthest_m(const ImageStudy& study);
 
 /// The finest depth_scale, rounded up to four digits, with which `far_m` fits into 16 bits.
 double finest_depth_scale(double far_m);

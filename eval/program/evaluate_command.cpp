@@ -15,6 +15,7 @@
 
 #include "eval/output/json.h"
 #include "eval/program/run_command.h"
+#include "eval/study/study_file.h"
 #include "eval/work/interrupt.h"
 #include "features/extractor.h"
 #include "scenes/files/assets.h"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "eval/run/run.h"
-#include "eval/study/study.h"
+#include "eval/study/study_file.h"
 
 namespace CLI {
 class App;

@@ -98,8 +98,9 @@ ChartAxis axis_over(const std::string& label, const Bins& bins) {
 
 std::vector<Chart> angles_charts(const ReportInput& input) {
   const Study& study = input.study;
-  const bool has_given_poses = !study.poses.theta_deg.empty();
-  if (study.kind == StudyKind::kOrientation || has_given_poses || input.trials.empty()) return {};
+  const PoseLaw* const poses = study.pose_law();
+  const bool has_drawn_poses = poses != nullptr && poses->theta_deg.empty();
+  if (!has_drawn_poses || input.trials.empty()) return {};
   const TrialError error = geodesic_error();
   const Grid grid = grid_of(input.trials);
   std::vector<Chart> charts;

@@ -148,7 +148,7 @@ std::string bound_sentence(const Summary& summary) {
 mustache::data comparisons(const ReportInput& input) {
   mustache::data sentences(mustache::data::type::list);
   const std::string lead = lead_solver(input.study);
-  for (const PoseSolver* other : input.study.solvers) {
+  for (const PoseSolver* other : input.study.solvers()) {
     if (other->evaluation_only || other->name == lead) continue;
     const std::string sentence = comparison(input, lead, other->name);
     if (!sentence.empty()) sentences << sentence;
@@ -161,9 +161,9 @@ mustache::data comparisons(const ReportInput& input) {
 }  // namespace
 
 std::string answer_figure(const ReportInput& input) {
-  if (input.study.kind != StudyKind::kImages) return sweep_answer(input);
+  if (input.study.images() == nullptr) return sweep_answer(input);
   mustache::data solvers(mustache::data::type::list);
-  for (const PoseSolver* solver : input.study.solvers) {
+  for (const PoseSolver* solver : input.study.solvers()) {
     solvers << solver_line(input, *solver);
   }
   return mustache::mustache(kAnswerTemplate)

@@ -201,7 +201,11 @@ cv::Rect region_of_interest(const Trial& trial, const std::map<std::string, Outl
 
 FrameEvidence evidence_of(const Study& study, const FrameChoice& choice, const TrialRecord& stored,
                           Renderer& renderer) {
-  FrameEvidence evidence{choice.caption, stored, run_trial(study, choice.trial, renderer), {}, {}};
+  FrameEvidence evidence{choice.caption,
+                         stored,
+                         run_image_trial(*study.images(), study.seed, choice.trial, renderer),
+                         {},
+                         {}};
   Trial& trial = evidence.trial;
   if (!is_same(stored, trial.record)) {
     evidence.caption += "; this re-run differs from the stored trial";
@@ -239,7 +243,7 @@ size_t bytes_of(const FrameEvidence& frame) {
 size_t frames_for(const Study& study) {
   double pixels = 0;
   for (size_t i = 0; i < study.conditions.size(); ++i) {
-    const Camera& camera = study.camera_of(static_cast<int>(i));
+    const Camera& camera = study.images()->camera_of(static_cast<int>(i));
     pixels = std::max(pixels, static_cast<double>(camera.width_px) * camera.height_px);
   }
   const double many = static_cast<double>(kMostFrames) * std::min(1.0, kManyPixels / pixels);
@@ -260,7 +264,7 @@ std::vector<FrameChoice> choose_frames(const Study& study, std::span<const Trial
   choose_kinds(choices, trials, lead);
   choose_worst(choices, sorted, 1, kWorstOfLead, lead);
   choose_missing(choices, trials);
-  for (const PoseSolver* solver : study.solvers) {
+  for (const PoseSolver* solver : study.solvers()) {
     if (solver->evaluation_only || solver->name == lead) continue;
     const std::string name(solver->name);
     choose_kinds(choices, trials, name);

@@ -93,10 +93,11 @@ void add(FeatureTotals& totals, const ObservationRecord& observation) {
   }
 }
 
-std::vector<std::pair<std::string, FeatureTotals>> totals_of(const ReportInput& input) {
+std::vector<std::pair<std::string, FeatureTotals>> totals_of(const ReportInput& input,
+                                                             const ImageStudy& study) {
   std::vector<std::pair<std::string, FeatureTotals>> all;
-  for (const int feature : input.study.features) {
-    all.emplace_back(input.study.target->features[feature].name, FeatureTotals{});
+  for (const int feature : study.features) {
+    all.emplace_back(study.target->features[feature].name, FeatureTotals{});
   }
   for (const TrialRecord& trial : input.trials) {
     for (const ObservationRecord& observation : trial.observations) {
@@ -185,16 +186,17 @@ std::string extractor_names(const ImageSetup& setup) {
 }  // namespace
 
 std::string extraction_figure(const ReportInput& input) {
-  if (input.study.kind != StudyKind::kImages || input.study.features.empty()) return "";
+  const ImageStudy* const images = input.study.images();
+  if (images == nullptr || images->features.empty()) return "";
   mustache::data features(mustache::data::type::list);
-  for (const auto& [name, totals] : totals_of(input)) features << row(name, totals);
+  for (const auto& [name, totals] : totals_of(input, *images)) features << row(name, totals);
   return mustache::mustache(kExtractionTemplate)
       .render(mustache::object{
           {"caption", fmt::format("Features over {}.",
                                   counted(static_cast<int64_t>(input.trials.size()), "trial"))},
           {"features", features},
-          {"outlier_px", fmt::to_string(input.study.setups.front().limits.outlier_px)},
-          {"extractors", extractor_names(input.study.setups.front())},
+          {"outlier_px", fmt::to_string(images->setups.front().limits.outlier_px)},
+          {"extractors", extractor_names(images->setups.front())},
           {"has_conditions", input.study.conditions.size() > 1},
           {"conditions", condition_groups(input)},
       });

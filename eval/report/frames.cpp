@@ -124,9 +124,9 @@ std::vector<Layer> layers_of(const Study& study) {
       {"removed", "removed as outlier",
        R"(<g class="removed"><path d="M-5 0a5 5 0 1 0 10 0a5 5 0 1 0 -10 0M-5 5L5 -5"/></g>)"},
   };
-  for (size_t i = 0; i < study.solvers.size(); ++i) {
+  for (size_t i = 0; i < study.solvers().size(); ++i) {
     layers.push_back(
-        {fmt::format("outline-{}", i), "outline by " + solver_label(study.solvers[i]->name),
+        {fmt::format("outline-{}", i), "outline by " + solver_label(study.solvers()[i]->name),
          fmt::format(R"(<path class="outline-{}" d="M-7 0H7"/>)", i % kOutlineStyles)});
   }
   return layers;
@@ -157,8 +157,8 @@ std::vector<std::string> removers_of(const TrialRecord& record, const std::strin
 
 mustache::data outlines_of(const Study& study, const FrameEvidence& frame) {
   mustache::data list(mustache::data::type::list);
-  for (size_t i = 0; i < study.solvers.size(); ++i) {
-    const auto found = frame.outlines.find(std::string(study.solvers[i]->name));
+  for (size_t i = 0; i < study.solvers().size(); ++i) {
+    const auto found = frame.outlines.find(std::string(study.solvers()[i]->name));
     if (found == frame.outlines.end() || found->second.empty()) continue;
     list << mustache::object{
         {"index", fmt::to_string(i)},
@@ -264,7 +264,7 @@ FeatureDrawings draw_features(const Trial& trial, bool has_picture) {
 // What a picture leaves out of the image.
 std::string reduction_text(const Study& study, const FramePicture& picture) {
   if (picture.png_url.empty()) {
-    return study.sightings ? "It could not be run." : "It could not be imaged.";
+    return !study.renders() ? "It could not be run." : "It could not be imaged.";
   }
   std::string text;
   if (picture.pixels.size() != picture.image) {
@@ -291,7 +291,7 @@ mustache::data frame_section(const Study& study, const FrameEvidence& frame, siz
       {"alt", fmt::format("{}: the target with windows, features and outlines", frame.caption)},
       {"condition", has_conditions ? study.conditions[record.condition].label + ". " : ""},
       {"trial", fmt::to_string(record.trial)},
-      {"image", study.sightings ? ", " + study.sighting_of(record.trial).image : ""},
+      {"image", study.renders() ? "" : ", " + study.images()->sighting_of(record.trial).image},
       {"theta", triple(attitude_deg(record.true_cam_from_target.rotation), 1)},
       {"t", triple(record.true_cam_from_target.translation, 2)},
       {"reduction", reduction_text(study, picture)},
@@ -346,7 +346,7 @@ std::string trial_list(const ReportInput& input) {
                        {"frame", ordered_json::array()},      {"error", ordered_json::array()},
                        {"kind", ordered_json::array()}};
   const std::string lead = lead_solver(study);
-  for (const PoseSolver* solver : study.solvers) {
+  for (const PoseSolver* solver : study.solvers()) {
     if (solver->name == lead) json["lead"] = json["solvers"].size();
     json["solvers"].push_back(solver_label(solver->name));
     json["error"].push_back(ordered_json::array());
@@ -363,7 +363,7 @@ std::string trial_list(const ReportInput& input) {
   for (const TrialRecord& trial : input.trials) {
     const auto frame = frame_of.find(trial.trial);
     const bool is_framed = frame != frame_of.end();
-    if (trial.estimates.size() != study.solvers.size()) continue;
+    if (trial.estimates.size() != study.solvers().size()) continue;
     if (!is_framed && ++listed > kMostListed) continue;
     json["trial"].push_back(trial.trial);
     json["condition"].push_back(trial.condition);

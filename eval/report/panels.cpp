@@ -148,7 +148,7 @@ double beside(double place, size_t index, size_t count) {
 }
 
 std::vector<TrialError> trial_errors(const Study& study) {
-  if (study.kind == StudyKind::kOrientation) {
+  if (study.orientation() != nullptr) {
     return {{"angle", "Error of an Euler angle, °", kAngleCapDeg,
              copies_error<&OrientationRecord::angle_error_deg>},
             {"t", "T error, %", kTranslationCapPercent,
@@ -165,7 +165,7 @@ TrialError geodesic_error() {
 }
 
 std::string label_in(const Study& study, const std::string& solver) {
-  return words(study.kind == StudyKind::kOrientation ? solver : solver_label(solver));
+  return words(study.orientation() != nullptr ? solver : solver_label(solver));
 }
 
 std::vector<TrialGroup> trial_groups(const Study& study) {

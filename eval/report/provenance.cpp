@@ -116,7 +116,7 @@ mustache::data facts_of(const ReportInput& input) {
   // Stated from the study itself, and where it says how to repeat the run.
   for (const char* key : {"study", "trials", "command"}) rest.erase(key);
   add_fact(facts, "trials", fmt::to_string(input.trials.size()));
-  if (input.study.kind == StudyKind::kImages && !input.study.sightings) {
+  if (input.study.renders()) {
     add_fact(facts, "poses drawn anew", fmt::to_string(redraws(input.trials)));
   }
   for (const auto& [key, value] : rest) add_fact(facts, words(key), value);
@@ -135,8 +135,10 @@ std::string repeat_command(const ReportInput& input) {
 
 std::string provenance_figure(const ReportInput& input) {
   const auto typed = input.meta.find("command");
-  const double outlier_px =
-      input.study.setups.empty() ? 0 : input.study.setups.front().limits.outlier_px;
+  const ImageStudy* const images = input.study.images();
+  const double outlier_px = images == nullptr ? 0 : images->setups.front().limits.outlier_px;
+  const OrientationStudy* const orientation = input.study.orientation();
+  const PointPairs pairs = orientation == nullptr ? PointPairs{} : orientation->pairs;
   const bool has_typed = typed != input.meta.end();
   return mustache::mustache(kProvenanceTemplate)
       .render(mustache::object{
@@ -145,12 +147,12 @@ std::string provenance_figure(const ReportInput& input) {
           {"has_typed", has_typed},
           {"typed", has_typed ? typed->second : ""},
           {"outlier_px", fmt::to_string(outlier_px)},
-          {"rendered", input.study.kind == StudyKind::kImages && !input.study.sightings},
-          {"images", input.study.kind == StudyKind::kImages},
-          {"orientation", input.study.kind == StudyKind::kOrientation},
-          {"timed", input.study.pairs.timed_repeats > 0},
-          {"repeats", fmt::to_string(input.study.pairs.timed_repeats)},
-          {"copies", fmt::to_string(input.study.pairs.copies)},
+          {"rendered", input.study.renders()},
+          {"images", images != nullptr},
+          {"orientation", orientation != nullptr},
+          {"timed", input.study.takes_times()},
+          {"repeats", fmt::to_string(pairs.timed_repeats)},
+          {"copies", fmt::to_string(pairs.copies)},
           {"angle_cap", fmt::to_string(kAngleCapDeg)},
           {"t_cap", fmt::to_string(kTranslationCapPercent)},
           {"toml", input.study.toml},

@@ -55,8 +55,7 @@ std::vector<TargetView> views_of(const ReportInput& input) {
     const auto at = static_cast<size_t>(stream.uniform() * static_cast<double>(left.size()));
     std::swap(left[at], left.back());
     const TrialRecord& trial = *left.back();
-    views.push_back(
-        {input.study.camera_of(trial.condition, trial.trial), trial.true_cam_from_target});
+    views.push_back({input.study.camera_of(trial.trial), trial.true_cam_from_target});
     left.pop_back();
   }
   return views;
@@ -80,8 +79,8 @@ mustache::data row(const TargetFeature& feature, const SilhouetteOffset& offset)
 }  // namespace
 
 std::string silhouette_figure(const ReportInput& input) {
-  const Study& study = input.study;
-  if (study.kind != StudyKind::kImages) return "";
+  if (input.study.images() == nullptr) return "";
+  const ImageStudy& study = *input.study.images();
   const std::vector<TargetView> views = views_of(input);
   const std::vector<SilhouetteOffset> offsets =
       silhouette_offsets(*study.target, study.features, views);

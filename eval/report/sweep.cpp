@@ -78,11 +78,11 @@ int condition_count(const Study& study) {
 }
 
 bool is_orientation(const Study& study) {
-  return study.kind == StudyKind::kOrientation;
+  return study.orientation() != nullptr;
 }
 
 bool is_timed(const Study& study) {
-  return study.pairs.timed_repeats > 0;
+  return study.takes_times();
 }
 
 using Quantities = std::vector<SweepQuantity>;
@@ -225,7 +225,7 @@ mustache::object answer_row(const ReportInput& input, const std::string& solver)
 
 // Of an image study, whose table has two errors side by side, these two.
 Quantities chart_quantities(const ReportInput& input) {
-  if (input.study.kind != StudyKind::kImages) return quantities_of(input, false);
+  if (input.study.images() == nullptr) return quantities_of(input, false);
   using Cell = CellSummary;
   return {{.heading = "θ error / °, mean of the trials",
            .value = [](const Cell& cell) { return cell.theta_error_deg.mean; },
@@ -357,7 +357,7 @@ std::string sweep_answer(const ReportInput& input) {
 }
 
 std::string sweep_figure(const ReportInput& input) {
-  if (input.study.kind == StudyKind::kImages) return "";  // its table has the numbers
+  if (input.study.images() != nullptr) return "";  // its table has the numbers
   return table(input, false, "All numbers") + table(input, true, "More of the same conditions");
 }
 

@@ -91,7 +91,7 @@ trial</th>
 constexpr size_t kMostLostNamed = 20;  // of a condition
 
 bool has_given_poses(const Study& study) {
-  return !study.poses.theta_deg.empty();
+  return !study.pose_law()->theta_deg.empty();
 }
 
 std::string caption(const Study& study) {
@@ -162,7 +162,7 @@ mustache::object mean_row(const ReportInput& input, std::string_view solver) {
 template <typename RowOf>
 mustache::data rows(const Study& study, const RowOf& row_of) {
   mustache::data list(mustache::data::type::list);
-  for (const PoseSolver* solver : study.solvers) {
+  for (const PoseSolver* solver : study.solvers()) {
     mustache::object row = row_of(solver->name);
     row["solver"] = solver_label(solver->name);
     list << mustache::data(row);
@@ -183,8 +183,10 @@ mustache::data condition_group(const ReportInput& input, int condition) {
   mustache::object group = {
       {"label", cell.label}, {"is_mean", false}, {"has_pose", has_given_poses(study)}};
   if (has_given_poses(study)) {
-    group["theta"] = triple(study.poses.theta_deg[cell.pose], 0);
-    group["t"] = triple(study.poses.t_m[cell.pose], 0);
+    const ImageStudy& images = *study.images();
+    const int pose = images.cells[condition].pose;
+    group["theta"] = triple(images.pose_law().theta_deg[pose], 0);
+    group["t"] = triple(images.pose_law().t_m[pose], 0);
   }
   group["rows"] =
       rows(study, [&](std::string_view solver) { return condition_row(input, condition, solver); });
@@ -286,7 +288,7 @@ std::string failures(const Summary& summary) {
 }  // namespace
 
 std::string table_figure(const ReportInput& input) {
-  if (input.study.kind != StudyKind::kImages) return "";  // it has the sweep's tables
+  if (input.study.images() == nullptr) return "";  // it has the sweep's tables
   const auto lost = lost_trials(input);
   size_t lost_count = 0;
   for (const std::vector<int64_t>& of_condition : lost) lost_count += of_condition.size();
@@ -297,7 +299,7 @@ std::string table_figure(const ReportInput& input) {
           {"beside", has_paper_figures(input.study) ? "paper" : "median"},
           {"groups", groups(input)},
           {"has_lost", lost_count > 0},
-          {"lost_how", input.study.sightings ? "run" : "imaged"},
+          {"lost_how", !input.study.renders() ? "run" : "imaged"},
           {"lost_count", fmt::format("{} of {}", lost_count,
                                      counted(static_cast<int64_t>(input.trials.size()), "trial"))},
           {"lost", lost_lines(input.study, lost)},

@@ -170,21 +170,22 @@ void write_estimate(Line& line, const TrialRecord& trial, const Counts& counts,
   line << trial.true_cam_from_target;
 }
 
-void write_orientation(Line& line, const Study& study, const TrialRecord& trial,
+void write_orientation(Line& line, const OrientationStudy& study, const TrialRecord& trial,
                        const OrientationRecord& orientation) {
   line << orientation.method << orientation.status << study.pairs.copies << orientation.failures
        << orientation.angle_error_deg << orientation.theta_error_deg << orientation.geodesic_deg
        << orientation.t_error_percent << trial.true_cam_from_target;
 }
 
-void write_orientation_csv(const Study& study, const TrialSource& trials, std::ostream& out) {
+void write_orientation_csv(const Study& study, const OrientationStudy& of_kind,
+                           const TrialSource& trials, std::ostream& out) {
   const std::set<std::string> keys = condition_keys(study);
   out << header(keys, {kSolver, kOrientation, kTruePose});
   trials([&](const TrialRecord& trial) {
     for (const OrientationRecord& orientation : trial.orientations) {
       Line line;
       write_condition(line, study.conditions[trial.condition], keys, trial);
-      write_orientation(line, study, trial, orientation);
+      write_orientation(line, of_kind, trial, orientation);
       out << std::move(line).end();
     }
   });
@@ -193,16 +194,20 @@ void write_orientation_csv(const Study& study, const TrialSource& trials, std::o
 }  // namespace
 
 void write_csv(const Study& study, const TrialSource& trials, std::ostream& out) {
-  if (study.kind == StudyKind::kOrientation) return write_orientation_csv(study, trials, out);
+  if (const OrientationStudy* const orientation = study.orientation()) {
+    return write_orientation_csv(study, *orientation, trials, out);
+  }
+  const ImageStudy* const images = study.images();
+  const bool is_sighted = images != nullptr && images->sighted;
   const std::set<std::string> keys = condition_keys(study);
-  const Names sighting_columns = study.sightings ? Names(kSighting) : Names();
+  const Names sighting_columns = is_sighted ? Names(kSighting) : Names();
   out << header(keys, {sighting_columns, kSolver, kErrors, kCounts, kPose, kTruePose});
   trials([&](const TrialRecord& trial) {
     const Counts counts = count_observations(trial);
     for (const EstimateRecord& estimate : trial.estimates) {
       Line line;
       write_condition(line, study.conditions[trial.condition], keys, trial);
-      if (study.sightings) write_sighting(line, study.sighting_of(trial.trial));
+      if (is_sighted) write_sighting(line, images->sighting_of(trial.trial));
       write_estimate(line, trial, counts, estimate);
       out << std::move(line).end();
     }

@@ -20,6 +20,7 @@
 #include "eval/report/report.h"
 #include "eval/results/results_csv.h"
 #include "eval/results/store.h"
+#include "eval/study/study_file.h"
 #include "eval/summary/summary_json.h"
 #include "eval/trial/image_trial.h"
 #include "eval/trial/numeric_trial.h"
@@ -82,22 +83,24 @@ Meta meta_of(const Study& study, const Shard& shard, const std::string& gl) {
 class TrialRunner {
  public:
   TrialRunner(const Study& study, const RendererOptions& renderer) : study_(study) {
-    if (study.kind == StudyKind::kImages) renderer_.emplace(renderer);
+    if (study.images() != nullptr) renderer_.emplace(renderer);
   }
 
   TrialRecord run(int64_t index) {
-    switch (study_.kind) {
-      case StudyKind::kImages:
-        return run_trial(study_, index, *renderer_).record;
-      case StudyKind::kNumeric:
-        return run_numeric_trial(study_, index);
-      case StudyKind::kOrientation:
-        return run_orientation_trial(study_, index);
-    }
-    return {};
+    return std::visit([&](const auto& study) { return run(study, index); }, study_.kind);
   }
 
  private:
+  TrialRecord run(const ImageStudy& study, int64_t index) {
+    return run_image_trial(study, study_.seed, index, *renderer_).record;
+  }
+  TrialRecord run(const NumericStudy& study, int64_t index) {
+    return run_numeric_trial(study, study_.seed, index);
+  }
+  TrialRecord run(const OrientationStudy& study, int64_t index) {
+    return run_orientation_trial(study, study_.seed, index);
+  }
+
   const Study& study_;
   std::optional<Renderer> renderer_;
 };
@@ -221,7 +224,7 @@ RunResult write_results(const Study& study, const Store& store, const Json& mani
   std::vector<TrialRecord> trials;
   if (store.size() <= kMostTrialsDrawn) trials = store.trials();
   std::vector<FrameEvidence> frames;
-  if (study.kind == StudyKind::kImages) {
+  if (study.images() != nullptr) {
     write_file(folder / kOutliersFile, to_json(outlier_model_of(trials), study.name));
     Renderer renderer;
     frames = gather_evidence(study, trials, renderer);
@@ -361,7 +364,7 @@ RunResult run_into(OutputFolder& folder, Store& store, const Study& study,
   manifest["jobs"] = options.jobs;
   manifest["shard"] = fmt::format("{}/{}", options.shard.index, options.shard.count);
   if (resumed_trials > 0) manifest["resumed_trials"] = resumed_trials;
-  if (study.kind == StudyKind::kImages && !study.sightings) {
+  if (study.renders()) {
     manifest["renderer"] = Renderer(options.renderer).description();
   }
 

@@ -32,28 +32,31 @@ SightingSource read_source(const TomlTable& table) {
 
 }  // namespace
 
-void read_dataset(const TomlTable& table, Study& study) {
+SightedImages read_dataset(const TomlTable& table, const std::shared_ptr<const Target>& target,
+                           int& draws) {
   const SightingSource source = read_source(table);
+  SightedImages images;
   try {
-    study.sightings =
-        std::make_shared<const std::vector<Sighting>>(read_sightings(source, study.target));
+    images.sightings =
+        std::make_shared<const std::vector<Sighting>>(read_sightings(source, target));
   } catch (const InputError& error) {
     table.fail("dataset", fmt::format("cannot be used: {}", error.what()));
   }
-  study.has_given_priors = !source.priors.empty();
-  const auto count = static_cast<int>(study.sightings->size());
-  if (!table.has("trials")) study.draws = count;
-  if (study.draws > count) {
-    table.fail("trials", fmt::format("is {}, but the data set shows the target {} times",
-                                     study.draws, count));
+  images.has_given_priors = !source.priors.empty();
+  const auto count = static_cast<int>(images.sightings->size());
+  if (!table.has("trials")) draws = count;
+  if (draws > count) {
+    table.fail("trials",
+               fmt::format("is {}, but the data set shows the target {} times", draws, count));
   }
+  return images;
 }
 
-SceneLaw dataset_scene(const TomlTable& table, const Study& study) {
+SceneLaw dataset_scene(const TomlTable& table, const ImageStudy& images) {
   SceneLaw law;
-  law.target = study.target;
-  law.features = study.features;
-  law.camera = study.sightings->front().camera;
+  law.target = images.target;
+  law.features = images.features;
+  law.camera = images.sighted->sightings->front().camera;
   law.bits = static_cast<int>(table.table("dataset").integer("bits", {1, kMostBits}, kMostBits));
   return law;
 }

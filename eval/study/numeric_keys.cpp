@@ -1,76 +1,21 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The keys of studies that draw no images: numeric ones and those of the absolute orientation. The
-// values of [sweep] make the cells; what is not swept has its value elsewhere in the file.
-#include <algorithm>
+// The keys of a numeric study. The values of [sweep] make the cells; what is not swept has its
+// value elsewhere in the file.
 #include <array>
-#include <cmath>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "eval/study/study_keys.h"
+#include "eval/study/sweep_keys.h"
 
 namespace sightline {
 namespace {
 
-// A quantity that is swept, or has one value.
-struct Axis {
-  std::vector<double> values;
-  bool is_swept = false;
-};
-
-// Where the value of a quantity stands that is not swept.
-struct Place {
-  const TomlTable& table;
-  const char* name;  // of the table
-  const char* key;
-};
-
-Axis read_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed) {
-  if (!sweep.has(key)) return {{fixed.table.number(fixed.key, allowed)}, false};
-  if (fixed.table.has(fixed.key)) {
-    sweep.fail(key, fmt::format("cannot stand beside {}.{}: give one or the other", fixed.name,
-                                fixed.key));
-  }
-  return {sweep.number_list(key, allowed), true};
-}
-
-// An axis of counts.
-Axis read_count_axis(const TomlTable& sweep, const char* key, const Place& fixed,
-                     Interval allowed) {
-  const Axis axis = read_axis(sweep, key, fixed, allowed);
-  for (const double value : axis.values) {
-    if (value == std::floor(value)) continue;
-    const std::string message = fmt::format("holds {}, must hold whole numbers", value);
-    if (axis.is_swept) sweep.fail(key, message);
-    fixed.table.fail(fixed.key, message);
-  }
-  return axis;
-}
-
-// The cell of one value an axis: what is swept is its condition.
-struct Coordinate {
-  const Axis& axis;
-  std::string key;    // in summary.json
-  std::string label;  // for readers
-  double value = 0;
-};
-
-Condition condition_at(std::span<const Coordinate> coordinates) {
-  Condition condition;
-  for (const Coordinate& c : coordinates) {
-    if (!c.axis.is_swept) continue;
-    condition.values[c.key] = c.value;
-    condition.label += (condition.label.empty() ? "" : ", ") + c.label;
-  }
-  if (condition.label.empty()) condition.label = "all";
-  return condition;
-}
-
 // A model replaces the law: features fail as they did in one of its trials.
-void read_model(const TomlTable& table, Study& study) {
+void read_model(const TomlTable& table, NumericStudy& study) {
   study.planted.law = OutlierLaw::kModel;
   auto model = std::make_shared<OutlierModel>(read_outlier_model(table.text("model")));
   std::set<std::string> known;
@@ -86,7 +31,8 @@ void read_model(const TomlTable& table, Study& study) {
 }
 
 // How many outliers a trial has: swept or given, and none beside a model, which says it itself.
-Axis read_outlier_counts(const TomlTable& sweep, const TomlTable& outliers, const Study& study) {
+Axis read_outlier_counts(const TomlTable& sweep, const TomlTable& outliers,
+                         const NumericStudy& study) {
   if (!outliers.has("model")) {
     return read_count_axis(sweep, "outliers", {outliers, "outliers", "count"},
                            {0, static_cast<double>(study.features.size())});
@@ -96,7 +42,7 @@ Axis read_outlier_counts(const TomlTable& sweep, const TomlTable& outliers, cons
   return {{0}, false};
 }
 
-void read_planted(const TomlTable& table, Study& study) {
+void read_planted(const TomlTable& table, NumericStudy& study) {
   const std::vector<std::string> laws = {"uniform", "fixed", "clustered", "swapped"};
   const std::array kinds = {OutlierLaw::kUniform, OutlierLaw::kFixed, OutlierLaw::kClustered,
                             OutlierLaw::kSwapped};
@@ -105,7 +51,8 @@ void read_planted(const TomlTable& table, Study& study) {
   if (table.has("model")) read_model(table, study);
 }
 
-void read_numeric_sweep(const TomlTable& table, Study& study) {
+void read_numeric_sweep(const TomlTable& table, NumericStudy& study,
+                        std::vector<Condition>& conditions) {
   const TomlTable sweep = table.table("sweep");
   const TomlTable noise = table.table("noise");
   const TomlTable outliers = table.table("outliers");
@@ -122,14 +69,13 @@ void read_numeric_sweep(const TomlTable& table, Study& study) {
           Coordinate{noises, "noise_px", fmt::format("{} px", noise_px), noise_px},
           Coordinate{counts, "outliers", fmt::format("{} outlier{}", count, count == 1 ? "" : "s"),
                      count}};
-      Condition& cell = study.conditions.emplace_back(condition_at(coordinates));
-      cell.noise_sd = scale * noise_px;
-      cell.outliers = static_cast<int>(count);
+      conditions.push_back(condition_at(coordinates));
+      study.cells.push_back({.noise_px = scale * noise_px, .outliers = static_cast<int>(count)});
     }
   }
 }
 
-void read_limits(const TomlTable& table, Study& study) {
+void read_limits(const TomlTable& table, NumericStudy& study) {
   if (!table.has("limits")) return;
   const TomlTable limits = table.table("limits");
   study.limits = ClaimLimits{
@@ -139,21 +85,10 @@ void read_limits(const TomlTable& table, Study& study) {
   };
 }
 
-void read_methods(const TomlTable& table, Study& study) {
-  const std::vector<std::string> known = names_of(orientation_methods());
-  std::set<std::string> seen;
-  for (const std::string& name : table.texts("methods", known)) {
-    study.methods.push_back(&orientation_methods()[index_of(name, known, table, "methods")]);
-    if (!seen.insert(name).second) {
-      table.fail("methods", fmt::format("holds \"{}\" twice", name));
-    }
-  }
-  if (study.methods.empty()) table.fail("methods", "is empty, must name at least one method");
-}
-
 }  // namespace
 
-void read_numeric_study(const TomlTable& table, Study& study) {
+NumericStudy read_numeric_study(const TomlTable& table, Study& common) {
+  NumericStudy study;
   study.camera = read_camera(table.table("camera"));
   const TomlTable poses = table.table("poses");
   study.poses.is_attitude_uniform = !poses.has("angle_deg");
@@ -162,38 +97,14 @@ void read_numeric_study(const TomlTable& table, Study& study) {
   }
   read_position_ranges(poses, study.poses);
   study.prior = read_prior(table.table("prior"));
-  read_solvers(table, "free", study);
+  study.solving = read_solving(table, "free");
   const std::vector<std::string> sigmas = {"unknown", "known"};
   study.is_sigma_known = table.table("solver").choice("sigma", sigmas, sigmas[0]) == sigmas[1];
-  read_target_and_features(table, study);
-  read_numeric_sweep(table, study);
+  study.target = read_target(table);
+  study.features = read_features(table, Use::kTrials, *study.target);
+  read_numeric_sweep(table, study, common.conditions);
   read_limits(table, study);
-}
-
-void read_orientation_study(const TomlTable& table, Study& study) {
-  read_methods(table, study);
-  PointPairs& pairs = study.pairs;
-  const TomlTable points = table.table("points");
-  pairs.half_side_m = points.number("half_side_m", {1e-6, 1e9}, pairs.half_side_m);
-  pairs.translation_m = points.number("translation_m", {0, 1e9}, pairs.translation_m);
-  pairs.copies = static_cast<int>(table.integer("copies", {1, 1'000'000}, pairs.copies));
-  pairs.timed_repeats = static_cast<int>(table.integer("timed_repeats", {0, 1'000'000'000}, 0));
-
-  const TomlTable sweep = table.table("sweep");
-  const TomlTable noise = table.table("noise");
-  const double scale = noise.number("scale", {0, 1000}, 1.0);
-  const Axis sigmas = read_axis(sweep, "sigma", {noise, "noise", "sigma_m"}, {0, 1e9});
-  const Axis counts = read_count_axis(sweep, "points", {points, "points", "count"}, {3, 1e6});
-  for (const double count : counts.values) {
-    for (const double sigma : sigmas.values) {
-      const std::array coordinates = {
-          Coordinate{counts, "points", fmt::format("{} points", count), count},
-          Coordinate{sigmas, "sigma", fmt::format("sigma {}", sigma), sigma}};
-      Condition& cell = study.conditions.emplace_back(condition_at(coordinates));
-      cell.noise_sd = scale * sigma;
-      cell.points = static_cast<int>(count);
-    }
-  }
+  return study;
 }
 
 }  // namespace sightline

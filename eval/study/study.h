@@ -1,14 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
+//
+// A study as its file states it. What every study has stands in `Study`; what only one kind has
+// stands in the kind's own struct, of which a study holds exactly one. eval/study/study_file.h
+// reads them.
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "eval/datasets/sightings.h"
@@ -22,55 +27,20 @@
 
 namespace sightline {
 
-/// Where a study's trials begin.
-enum class StudyKind {
-  kImages,       ///< at a scene that is rendered, or at an image of a data set
-  kNumeric,      ///< at observations: exact projections, noise and planted outliers
-  kOrientation,  ///< at matched points in two frames, for the absolute orientation
-};
-
 /// A figure that a paper prints, to stand beside ours.
 struct PaperFigure {
   double theta_error_deg = 0;
   double t_error_percent = 0;
 };
 
-/// Whether the last pass renders the target at the pose found and subtracts what the extractors err
-/// on that. With the light known and the exact mesh it is an inverse crime: the same renderer made
-/// the image of the same.
-enum class BiasRemoval {
-  kOff,
-  kWrongLight,  ///< the light's direction is off by about 18 degrees
-  kKnownLight,
-};
-
-/// What an image study's file says of its frames and of the extraction of features from them. What
-/// is swept gives every value a set-up of its own.
-struct ImageSetup {
-  SceneLaw scene;
-  PriorError prior;
-  ExtractorChoice extractors;
-  ExtractorOptions extractor_options;
-  int passes = 1;  ///< of extraction; all but the first around the pose that came out before
-  BiasRemoval bias_removal = BiasRemoval::kOff;
-  /// What is rendered for it; null where it is off.
-  std::shared_ptr<const Target> bias_target;
-  LabelLimits limits;
-};
-
-/// One cell of a study: what all its trials share.
+/// What all trials of one row of the study's result share, in words and numbers for readers: which
+/// given pose they show, or which values the swept keys have. What a condition makes of the trials
+/// stands in the cell of the same index of the study's kind.
 struct Condition {
-  std::string label;                           ///< "pose 1", or "all" where a study has one cell
+  std::string label;                           ///< "pose 1", or "all" where a study has one
   std::map<std::string, double> values;        ///< as summary.json states it: {"pose": 1}
   std::map<std::string, PaperFigure> paper{};  ///< by solver
   std::map<std::string, std::string> words{};  ///< as `values`: swept keys that are no numbers
-  // In an image study.
-  int setup = 0;  ///< index into the study's
-  int pose = 0;   ///< index into the given poses; means nothing where they are drawn
-  // What numeric and orientation studies apply in this cell.
-  double noise_sd = 0;  ///< of each coordinate, pixels or metres; noise.scale applied
-  int outliers = 0;     ///< points of a trial that are displaced
-  int points = 0;       ///< of an orientation study's trial
 };
 
 /// Where the solvers start.
@@ -92,13 +62,84 @@ std::string_view to_string(PoseInput input);
 /// The name under which a solver's estimates from such an input are kept: "lspe/exact".
 std::string name_with(std::string_view solver, PoseInput input);
 
-/// What an orientation study draws: points uniform in a cube about the origin, three uniform Euler
-/// angles, a translation uniform in a cube; and of every draw so many noisy copies.
-struct PointPairs {
-  double half_side_m = 10;
-  double translation_m = 100;  ///< each coordinate in +-
-  int copies = 50;
-  int timed_repeats = 0;  ///< of every solve, for its mean time; 0: nothing is timed
+/// Which solvers estimate the pose of every trial, from where, and with which options.
+struct Solving {
+  std::vector<const PoseSolver*> solvers;
+  std::vector<PoseInput> inputs;  ///< that the solvers get besides what was extracted
+  Start start = Start::kPrior;
+  SolverOptions options;
+
+  /// The names under which a trial's estimates are kept, in their order.
+  std::vector<std::string> names() const;
+};
+
+/// What studies of images and numeric studies share: the pose of a target is estimated from
+/// features of it.
+struct PoseStudy {
+  std::shared_ptr<const Target> target;
+  std::vector<int> features;  ///< indices into the target's features
+  Solving solving;
+
+  const TargetFeature& feature(int slot) const { return target->features[features[slot]]; }
+};
+
+/// Whether the last pass renders the target at the pose found and subtracts what the extractors err
+/// on that. With the light known and the exact mesh it is an inverse crime: the same renderer made
+/// the image of the same.
+enum class BiasRemoval {
+  kOff,
+  kWrongLight,  ///< the light's direction is off by about 18 degrees
+  kKnownLight,
+};
+
+/// What an image study's file says of its frames and of the extraction of features from them. A
+/// study has one set-up or, where keys are swept, one for every combination of their values.
+struct ImageSetup {
+  SceneLaw scene;
+  PriorError prior;
+  ExtractorChoice extractors;
+  ExtractorOptions extractor_options;
+  int passes = 1;  ///< of extraction; all but the first around the pose that came out before
+  BiasRemoval bias_removal = BiasRemoval::kOff;
+  /// What is rendered for it; null where it is off.
+  std::shared_ptr<const Target> bias_target;
+  LabelLimits limits;
+};
+
+/// Which images a condition of an image study has.
+struct ImageCell {
+  int setup = 0;  ///< index into the study's set-ups
+  int pose = 0;   ///< index into the set-up's given poses; 0 where poses are drawn
+};
+
+/// The images of a data set, which stand where a study else renders its own: one a draw.
+struct SightedImages {
+  std::shared_ptr<const std::vector<Sighting>> sightings;
+  bool has_given_priors = false;  ///< the sightings have them, as far as there are any
+};
+
+/// A study whose trials begin at a scene that is rendered, or at an image of a data set.
+struct ImageStudy : PoseStudy {
+  std::vector<ImageSetup> setups;        ///< at least one
+  std::vector<ImageCell> cells;          ///< one a condition of the study
+  std::optional<SightedImages> sighted;  ///< none: the images are rendered
+
+  const ImageSetup& setup_of(int condition) const { return setups[cells[condition].setup]; }
+  /// The given poses, which set-ups share, or what they are drawn from in the first set-up.
+  const PoseLaw& pose_law() const { return setups.front().scene.poses; }
+  /// The number that keys the random draws of a trial: set-ups share their draws, so that what is
+  /// swept is all that differs between them.
+  int64_t draw_of(int64_t trial) const;
+  /// What a trial shows whose image is a data set's.
+  const Sighting& sighting_of(int64_t trial) const;
+  /// The camera of a cell's trials; where their images are a data set's, of its first.
+  const Camera& camera_of(int condition) const { return setup_of(condition).scene.camera; }
+};
+
+/// What one condition of a numeric study applies to the exact projections.
+struct NumericCell {
+  double noise_px = 0;  ///< standard deviation of each coordinate; noise.scale applied
+  int outliers = 0;     ///< points of a trial that are displaced
 };
 
 /// What the claim of a numeric study says in numbers: the means of one solver stay below these.
@@ -108,92 +149,78 @@ struct ClaimLimits {
   double t_error_percent = 0;
 };
 
+/// A study whose trials begin at observations: exact projections, noise and planted outliers.
+struct NumericStudy : PoseStudy {
+  Camera camera;
+  PoseLaw poses;
+  PriorError prior;
+  PlantedOutliers planted;
+  bool is_sigma_known = false;  ///< the solvers are told the noise applied
+  std::optional<ClaimLimits> limits;
+  std::vector<NumericCell> cells;  ///< one a condition of the study
+};
+
+/// What an orientation study draws: points uniform in a cube about the origin, three uniform Euler
+/// angles, a translation uniform in a cube; and of every draw so many noisy copies.
+struct PointPairs {
+  double half_side_m = 10;
+  double translation_m = 100;  ///< each coordinate in +-
+  int copies = 50;
+  int timed_repeats = 0;  ///< of every solve, for its mean time; 0: nothing is timed
+};
+
+/// What one condition of an orientation study draws.
+struct OrientationCell {
+  double noise_m = 0;  ///< standard deviation of each coordinate; noise.scale applied
+  int points = 0;      ///< of a trial
+};
+
+/// A study whose trials begin at matched points in two frames, for the absolute orientation.
+struct OrientationStudy {
+  std::vector<const OrientationMethod*> methods;
+  PointPairs pairs;
+  std::vector<OrientationCell> cells;  ///< one a condition of the study
+
+  /// Whether its solves are timed, for timings.csv.
+  bool takes_times() const { return pairs.timed_repeats > 0; }
+};
+
 /// A study as its file states it, checked: a thing that can be run.
 struct Study {
-  StudyKind kind = StudyKind::kImages;
   std::string name;
   std::string title;
   std::string question;
   std::string reference;  ///< the figure or table of a paper that it repeats; may be empty
   std::string claim;      ///< what the paper says of it, in words; may be empty
-  std::optional<ClaimLimits> limits;
   uint64_t seed = 1;
   int draws = 100;  ///< trials a condition
   std::vector<Condition> conditions;
-  PoseLaw poses;
-
-  std::shared_ptr<const Target> target;
-  std::vector<int> features;       ///< indices into the target's features
-  std::vector<ImageSetup> setups;  ///< of an image study: one, or one for every swept value
-  /// Of an image study that renders nothing: the images of a data set, one a draw. Else null.
-  std::shared_ptr<const std::vector<Sighting>> sightings;
-  bool has_given_priors = false;  ///< the sightings have them, as far as there are any
-  Camera camera;                  ///< of a numeric study; of the first set-up
-  PriorError prior;               ///< alike
-  Start start = Start::kPrior;
-  std::vector<const PoseSolver*> solvers;
-  std::vector<PoseInput> inputs;  ///< that the solvers get besides what was extracted
-  SolverOptions solver_options;
-
-  PlantedOutliers planted;      ///< of a numeric study
-  bool is_sigma_known = false;  ///< a numeric study's solvers are told the noise applied
-
-  PointPairs pairs;  ///< of an orientation study, which has methods and no solvers
-  std::vector<const OrientationMethod*> methods;
-
   std::string toml;  ///< the file as run, overrides applied
+  std::variant<ImageStudy, NumericStudy, OrientationStudy> kind;
 
-  const ImageSetup& setup_of(int condition) const { return setups[conditions[condition].setup]; }
-  /// The camera of a cell's trials; where their images are a data set's, of its first.
-  const Camera& camera_of(int condition) const {
-    return setups.empty() ? camera : setup_of(condition).scene.camera;
-  }
-  /// The camera of one trial of the cell.
-  const Camera& camera_of(int condition, int64_t trial) const {
-    return sightings ? sighting_of(trial).camera : camera_of(condition);
-  }
-  /// What a trial shows whose image is a data set's.
-  const Sighting& sighting_of(int64_t trial) const {
-    return (*sightings)[static_cast<size_t>(draw_of(trial))];
-  }
+  // The study as one of its kinds; null where it is of another.
+  const ImageStudy* images() const { return std::get_if<ImageStudy>(&kind); }
+  const NumericStudy* numeric() const { return std::get_if<NumericStudy>(&kind); }
+  const OrientationStudy* orientation() const { return std::get_if<OrientationStudy>(&kind); }
+  /// The study as one that estimates the pose of a target; null for an orientation study.
+  const PoseStudy* pose_study() const;
 
-  /// Whether its solves are timed, for timings.csv.
-  bool takes_times() const { return pairs.timed_repeats > 0; }
-
+  /// The solvers that every trial has an estimate of; none in an orientation study.
+  std::span<const PoseSolver* const> solvers() const;
   /// The names of the solvers or, in an orientation study, of the methods.
   std::vector<std::string> solver_names() const;
+  /// The poses that the file gives or the law they are drawn from; null for an orientation study.
+  const PoseLaw* pose_law() const;
+  /// Whether its images were rendered here, and not taken from a data set or never made.
+  bool renders() const { return images() != nullptr && !images()->sighted; }
+  /// Whether its solves are timed, for timings.csv.
+  bool takes_times() const { return orientation() != nullptr && orientation()->takes_times(); }
+  /// The camera of one trial of a study that has any.
+  const Camera& camera_of(int64_t trial) const;
 
   int64_t trial_count() const { return static_cast<int64_t>(draws) * conditions.size(); }
   /// Trials are numbered draw by draw, so that a smaller study is the beginning of a larger one.
   int condition_of(int64_t trial) const { return static_cast<int>(trial % conditions.size()); }
-  /// The number that keys the random draws of an image study's trial: set-ups share their draws, so
-  /// that what is swept is all that differs between them.
-  int64_t draw_of(int64_t trial) const {
-    const auto cells = static_cast<int64_t>(conditions.size());
-    const auto poses_each = cells / static_cast<int64_t>(setups.size());
-    return trial / cells * poses_each + conditions[condition_of(trial)].pose;
-  }
 };
-
-/// What the command line may say over a study's file.
-struct StudyOverrides {
-  std::optional<int> trials;  ///< a condition
-  std::optional<int64_t> seed;
-  std::vector<std::string> set;  ///< "key=value"
-};
-
-/// Reads a study by name or file. Throws InputError for whatever is missing, misspelt, out of range
-/// or cannot be imaged.
-Study read_study(const std::string& name_or_path, const StudyOverrides& overrides = {});
-
-/// A study from its text; `source` stands for the file in errors.
-Study read_study_text(const std::string& toml, const std::filesystem::path& source,
-                      const StudyOverrides& overrides = {});
-
-/// What a scene file says, to be rendered only: as a study of images, but it needs no solvers, and
-/// its target no features. A study's name or file is one too.
-Study read_scene(const std::string& name_or_path, const StudyOverrides& overrides = {});
-Study read_scene_text(const std::string& toml, const std::filesystem::path& source,
-                      const StudyOverrides& overrides = {});
 
 }  // namespace sightline

@@ -1,15 +1,23 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// How the keys of a study's file are read: what the kinds of study share (study.cpp), and the
-// readers of those that draw no images (numeric_study.cpp) or take them from a data set
-// (evaluate/dataset_keys.cpp). For read_study alone.
+// How the tables of a study's file are read: what kinds of study share (pose_keys.cpp), and one
+// reader for each kind (image_keys.cpp, numeric_keys.cpp, orientation_keys.cpp; dataset_keys.cpp
+// for images of a data set). For eval/study/study_file.cpp alone.
 #pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "eval/study/study.h"
 #include "scenes/files/toml_table.h"
 
 namespace sightline {
+
+/// What a file is read for: the trials of a study, or the rendering of its scenes alone, which
+/// needs neither solvers nor features.
+enum class Use { kTrials, kRendering };
 
 /// The place of `name` in a list of names; an InputError with a suggestion where it has none.
 size_t index_of(const std::string& name, const std::vector<std::string>& names,
@@ -22,21 +30,29 @@ std::vector<std::string> names_of(const Catalogue& catalogue) {
   return names;
 }
 
-PriorError read_prior(const TomlTable& table);
+/// The table [prior].
+PriorError read_prior(const TomlTable& prior);
 
-/// The solvers, and the keys of [solver] that all kinds of study have.
-void read_solvers(const TomlTable& table, const std::string& default_start, Study& study);
+/// The solvers and the table [solver].
+Solving read_solving(const TomlTable& study, const std::string& default_start);
 
-/// The target and its features.
-void read_target_and_features(const TomlTable& table, Study& study);
+std::shared_ptr<const Target> read_target(const TomlTable& study);
 
-/// Of a study with [dataset]: its images, and as many trials as there are of them unless the file
-/// says how many. The target must have been read.
-void read_dataset(const TomlTable& table, Study& study);
-/// What is known of the scenes of its images.
-SceneLaw dataset_scene(const TomlTable& table, const Study& study);
+/// The features named by the study, as indices into the target's; none where a target without
+/// features is to be rendered.
+std::vector<int> read_features(const TomlTable& study, Use use, const Target& target);
 
-void read_numeric_study(const TomlTable& table, Study& study);
-void read_orientation_study(const TomlTable& table, Study& study);
+/// The images of the table [dataset], and as many draws as there are of them unless the file says
+/// how many.
+SightedImages read_dataset(const TomlTable& study, const std::shared_ptr<const Target>& target,
+                           int& draws);
+/// What is known of the scenes of a data set's images.
+SceneLaw dataset_scene(const TomlTable& study, const ImageStudy& images);
+
+// The kinds. Each reader appends the conditions of its cells to `common`; of images of a data set
+// it also says how many draws there are.
+ImageStudy read_image_study(const TomlTable& study, Use use, Study& common);
+NumericStudy read_numeric_study(const TomlTable& study, Study& common);
+OrientationStudy read_orientation_study(const TomlTable& study, Study& common);
 
 }  // namespace sightline

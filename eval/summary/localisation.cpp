@@ -155,11 +155,11 @@ void FeatureCounts::add(const TrialRecord& trial) {
   ++trials;
 }
 
-ExtractionStatistics::ExtractionStatistics(const Study& study)
-    : cells_(study.conditions.size()),
-      of_both_(study.conditions.size()),
-      of_kinds_(study.conditions.size()),
-      counts_(study.conditions.size()) {
+ExtractionStatistics::ExtractionStatistics(const ImageStudy& study)
+    : cells_(study.cells.size()),
+      of_both_(study.cells.size()),
+      of_kinds_(study.cells.size()),
+      counts_(study.cells.size()) {
   for (const int index : study.features) {
     const TargetFeature& feature = study.target->features[static_cast<size_t>(index)];
     features_.push_back(feature.name);

@@ -102,7 +102,7 @@ inline constexpr int kFewFeatures = 5;  ///< the paper has five: with fewer no o
 /// by feature in each cell.
 class ExtractionStatistics {
  public:
-  explicit ExtractionStatistics(const Study& study);
+  explicit ExtractionStatistics(const ImageStudy& study);
 
   void add(const TrialRecord& trial);
 

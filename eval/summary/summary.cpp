@@ -60,8 +60,9 @@ using Positions = std::map<std::string, Eigen::Vector3d>;
 
 Positions positions_of(const Study& study) {
   Positions positions;
-  if (study.target == nullptr) return positions;
-  for (const TargetFeature& feature : study.target->features) {
+  const PoseStudy* const of_target = study.pose_study();
+  if (of_target == nullptr) return positions;
+  for (const TargetFeature& feature : of_target->target->features) {
     positions.emplace(feature.name, feature.position_m);
   }
   return positions;
@@ -81,7 +82,7 @@ std::optional<TrialBound> bound_of(const Study& study, const Positions& position
     const double sd_px = std::max(noise_px.at(o.feature), kLeastNoisePx);
     covariances_px2.push_back(sd_px * sd_px * Eigen::Matrix2d::Identity());
   }
-  const auto bound = cramer_rao_bound(study.camera_of(trial.condition, trial.trial), points,
+  const auto bound = cramer_rao_bound(study.camera_of(trial.trial), points,
                                       trial.true_cam_from_target, covariances_px2);
   if (!bound) return std::nullopt;
   constexpr double kDegree = std::numbers::pi / 180;
@@ -93,7 +94,8 @@ std::optional<TrialBound> bound_of(const Study& study, const Positions& position
 // A numeric study's cell without noise has no bound, and exact solvers err by rounding alone, of
 // which ratios say nothing.
 bool is_noiseless(const Study& study, int condition) {
-  return study.kind == StudyKind::kNumeric && study.conditions[condition].noise_sd == 0;
+  const NumericStudy* const numeric = study.numeric();
+  return numeric != nullptr && numeric->cells[condition].noise_px == 0;
 }
 
 // A solver in a condition, trial by trial.
@@ -234,7 +236,7 @@ class Summariser {
   // What the solvers made of it.
   void judge(const TrialRecord& trial) {
     ConditionAccumulator& condition = conditions_.at(static_cast<size_t>(trial.condition));
-    if (study_.kind == StudyKind::kOrientation) {
+    if (study_.orientation() != nullptr) {
       for (CellAccumulator& cell : condition.cells) add_orientation(trial, cell);
       return;
     }
@@ -290,12 +292,12 @@ class Summariser {
 
   std::optional<TrialBound> bound_for(const TrialRecord& trial) const {
     const ConditionAccumulator& condition = conditions_.at(static_cast<size_t>(trial.condition));
+    const NumericStudy* const numeric = study_.numeric();
     std::map<std::string, double> noise_px;
     for (const FeatureAccumulator& feature : condition.features) {
       noise_px[feature.summary.feature] =
-          study_.kind == StudyKind::kNumeric
-              ? study_.conditions[static_cast<size_t>(trial.condition)].noise_sd
-              : feature.inlier_error_px.root();
+          numeric != nullptr ? numeric->cells[static_cast<size_t>(trial.condition)].noise_px
+                             : feature.inlier_error_px.root();
     }
     return bound_of(study_, positions_, trial, noise_px);
   }
@@ -346,7 +348,7 @@ class Summariser {
     cell.t_error_percent = statistics(accumulator.t_error_percent, "t_error_percent");
     cell.geodesic_deg = statistics(accumulator.geodesic_deg, "geodesic_deg");
     cell.failure_rate_ci95 = wilson_interval(cell.failures, trials);
-    if (study_.kind == StudyKind::kOrientation) {
+    if (study_.orientation() != nullptr) {
       cell.angle_error_deg = statistics(accumulator.angle_error_deg, "angle_error_deg");
       if (study_.takes_times()) cell.time_ns = statistics(accumulator.time_ns, "time_ns");
       return cell;
@@ -377,7 +379,7 @@ class Summariser {
     cell.condition = index;
     cell.trials = condition.trials;
     cell.repeated = condition.repeats.count();
-    if (study_.kind == StudyKind::kOrientation) return cell;
+    if (study_.orientation() != nullptr) return cell;
     cell.inlier_rms_px = condition.inlier_error_px.root();
     if (cell.trials > 0) {
       cell.found = static_cast<double>(condition.found) / cell.trials;
@@ -409,14 +411,15 @@ TrialSource in_order(std::span<const TrialRecord> trials) {
 
 Summary summarise(const Study& study, const TrialSource& trials) {
   Summariser summariser(study);
-  if (study.kind != StudyKind::kImages) {
+  const ImageStudy* const images = study.images();
+  if (images == nullptr) {
     trials([&](const TrialRecord& trial) {
       summariser.observe(trial);
       summariser.judge(trial);
     });
     return summariser.finish();
   }
-  ExtractionStatistics extraction(study);
+  ExtractionStatistics extraction(*images);
   trials([&](const TrialRecord& trial) {
     summariser.observe(trial);
     extraction.add(trial);

@@ -97,8 +97,8 @@ Json cell_json(const Study& study, const CellSummary& cell) {
                {"ratio_to_oracle_ci95", cell.ratio_to_oracle_ci95},
                {"ratio_to_bound_ci95", cell.ratio_to_bound_ci95},
                {"nees", nees_json(cell.nees)}};
-  if (study.kind == StudyKind::kOrientation) {
-    json["copies"] = study.pairs.copies;
+  if (const OrientationStudy* const orientation = study.orientation()) {
+    json["copies"] = orientation->pairs.copies;
     json["failed_copies"] = cell.failed_copies;
     json["angle_error_deg"] = error_json(cell.angle_error_deg);
   }
@@ -151,7 +151,7 @@ std::string to_json(const Study& study, const Summary& summary) {
   Json json = {{"study", study.name}, {"seed", study.seed}};
   json["cells"] = Json::array();
   for (const CellSummary& cell : summary.cells) json["cells"].push_back(cell_json(study, cell));
-  if (study.kind == StudyKind::kOrientation) return json.dump(2) + "\n";
+  if (study.orientation() != nullptr) return json.dump(2) + "\n";
   json["observations"] = Json::array();
   for (const CellObservations& cell : summary.observations) {
     json["observations"].push_back(observations_json(study, cell));

@@ -110,7 +110,7 @@ struct LabelledRows {
 };
 
 // Each feature; each kind, where there are several; all.
-LabelledRows rows_of_cell(const Study& study, const ExtractionStatistics& statistics,
+LabelledRows rows_of_cell(const PoseStudy& study, const ExtractionStatistics& statistics,
                           int condition) {
   LabelledRows out;
   const auto add = [&](const std::string& label, Localisation row) {
@@ -184,7 +184,7 @@ std::string accuracy_block(const Study& study, const ExtractionStatistics& stati
     std::vector<TextGroup> groups;
     std::vector<std::string> labels;
     for (size_t c = 0; c < conditions.size(); ++c) {
-      const LabelledRows cell = rows_of_cell(study, statistics, static_cast<int>(c));
+      const LabelledRows cell = rows_of_cell(*study.pose_study(), statistics, static_cast<int>(c));
       labels = cell.labels;
       groups.push_back(accuracy_group(conditions[c], cell.rows));
     }
@@ -216,16 +216,17 @@ std::string failure_block(const ExtractionStatistics& statistics) {
 }
 
 std::string impact_block(const Study& study, const Summary& summary) {
-  if (study.inputs.empty()) return "";
+  const std::vector<PoseInput>& inputs = study.pose_study()->solving.inputs;
+  if (inputs.empty()) return "";
   std::vector<std::string> labels;
   for (const Condition& condition : study.conditions) {
     labels.push_back(shortened(condition.label, kLongestLabel));
   }
   std::vector<TextGroup> groups;
-  for (const PoseSolver* solver : study.solvers) {
+  for (const PoseSolver* solver : study.solvers()) {
     if (solver->evaluation_only) continue;
     TextGroup group{std::string(solver->name), {}};
-    for (const PoseInput input : study.inputs) {
+    for (const PoseInput input : inputs) {
       group.columns.push_back(error_column(std::string(to_string(input)), study, summary,
                                            name_with(solver->name, input)));
     }

@@ -105,7 +105,7 @@ std::vector<double> paper_values(const Study& study, const ErrorKind& kind,
 // The solvers that the paper has figures of: the study's in its order.
 Texts paper_solvers(const Study& study) {
   Texts solvers;
-  for (const PoseSolver* solver : study.solvers) {
+  for (const PoseSolver* solver : study.solvers()) {
     const std::string name(solver->name);
     const bool is_in_paper =
         std::any_of(study.conditions.begin(), study.conditions.end(),
@@ -159,7 +159,7 @@ std::string error_block(const Study& study, const Summary& summary, const ErrorK
 
   std::vector<TextGroup> groups;
   if (!paper_solvers(study).empty()) groups.push_back(paper_group(study, summary, kind));
-  for (const PoseSolver* solver : study.solvers) {
+  for (const PoseSolver* solver : study.solvers()) {
     groups.push_back(solver_group(study, summary, kind, solver->name, decimals));
   }
   groups.push_back({"bound", {number_column(study, summary, "mean", bounds, decimals)}});
@@ -180,7 +180,7 @@ std::string solver_block(const Study& study, const Summary& summary) {
   TextColumn false_removals{"inliers removed", {}};
   TextColumn missed_outliers{"outliers kept", {}};
   TextColumn exact{"exactly right / %", {}};
-  for (const PoseSolver* solver : study.solvers) {
+  for (const PoseSolver* solver : study.solvers()) {
     const auto mean_text = [&](double CellSummary::*member) {
       return number_text(mean_over(summary, solver->name, member), 2);
     };
@@ -209,7 +209,7 @@ std::string extraction_block(const Study& study, const Summary& summary) {
     outliers.push_back(cell.outliers);
     inlier_rms.push_back(cell.inlier_rms_px);
   }
-  const std::string of_features = fmt::format("found of {}", study.features.size());
+  const std::string of_features = fmt::format("found of {}", study.pose_study()->features.size());
   return text_block("Features a trial", row_labels(study),
                     {{"", {number_column(study, summary, of_features, found, 2)}},
                      {"", {number_column(study, summary, "outliers", outliers, 2)}},
@@ -221,12 +221,14 @@ std::string vector_text(const Eigen::Vector3d& v) {
 }
 
 std::string pose_block(const Study& study) {
-  if (study.poses.theta_deg.empty()) return "";
+  const ImageStudy& images = *study.images();
+  const PoseLaw& poses = images.pose_law();
+  if (poses.theta_deg.empty()) return "";
   TextColumn theta{"theta / °", {}};
   TextColumn t{"T / m", {}};
-  for (const Condition& condition : study.conditions) {
-    theta.cells.push_back(vector_text(study.poses.theta_deg[condition.pose]));
-    t.cells.push_back(vector_text(study.poses.t_m[condition.pose]));
+  for (const ImageCell& cell : images.cells) {
+    theta.cells.push_back(vector_text(poses.theta_deg[cell.pose]));
+    t.cells.push_back(vector_text(poses.t_m[cell.pose]));
   }
   return text_block("Poses", condition_labels(study), {{"", {theta}}, {"", {t}}});
 }
@@ -252,7 +254,8 @@ std::string head(const Study& study, const Summary& summary) {
 
 // What a study adds that varies nuisances or takes errors apart.
 std::string sweep_of_nuisances(const Study& study, const Summary& summary) {
-  const bool is_wanted = study.setups.size() > 1 || !study.inputs.empty();
+  const ImageStudy& images = *study.images();
+  const bool is_wanted = images.setups.size() > 1 || !images.solving.inputs.empty();
   if (!is_wanted || !summary.extraction) return "";
   return localisation_block(study, *summary.extraction) +
          accuracy_block(study, *summary.extraction) + failure_block(*summary.extraction) +
@@ -295,7 +298,7 @@ std::string to_table(const Study& study, const Summary& summary) {
   const std::string repeats = repeat_warning(summary);
   const std::string warning =
       repeats.empty() ? "" : fmt::format("\n{}", wrapped("warning: " + repeats));
-  if (study.kind != StudyKind::kImages) {
+  if (study.images() == nullptr) {
     return head(study, summary) + sweep_blocks(study, summary) + failure_lines(study, summary) +
            warning;
   }

@@ -39,12 +39,13 @@ SweepQuantity in_detail(SweepQuantity quantity) {
   return quantity;
 }
 
-bool has_oracle(const Study& study) {
-  return std::any_of(study.solvers.begin(), study.solvers.end(),
+bool has_oracle(const NumericStudy& study) {
+  const std::vector<const PoseSolver*>& solvers = study.solving.solvers;
+  return std::any_of(solvers.begin(), solvers.end(),
                      [](const PoseSolver* solver) { return solver->name == "oracle"; });
 }
 
-std::vector<SweepQuantity> numeric_quantities(const Study& study) {
+std::vector<SweepQuantity> numeric_quantities(const NumericStudy& study) {
   // The bound is of an RMS error and stands beside nothing else.
   std::vector<SweepQuantity> all = {
       mean_of<&Cell::theta_error_deg>("theta_error / °, mean of the trials"),
@@ -70,9 +71,10 @@ std::vector<SweepQuantity> numeric_quantities(const Study& study) {
   return all;
 }
 
-std::vector<SweepQuantity> orientation_quantities(const Study& study, const Summary& summary) {
+std::vector<SweepQuantity> orientation_quantities(const OrientationStudy& study,
+                                                  const Summary& summary) {
   std::vector<SweepQuantity> all;
-  if (study.pairs.timed_repeats > 0) {
+  if (study.takes_times()) {
     all.push_back(mean_of<&Cell::time_ns>("Time of a solve / ns, mean of the draws"));
   }
   all.push_back(
@@ -172,7 +174,7 @@ std::vector<std::string> pair_verdicts(const Study& study, const Summary& summar
     verdicts.push_back(fmt::format("{} errs {:.4f} to {:.4f} times as much as {}.", kFast,
                                    error.least, error.most, kUmeyama));
   }
-  if (study.pairs.timed_repeats > 0 && time.most > 0) {
+  if (study.takes_times() && time.most > 0) {
     verdicts.push_back(fmt::format("{} takes {:.1f} to {:.1f} times as long as {}.", kUmeyama,
                                    time.least, time.most, kFast));
   }
@@ -182,13 +184,9 @@ std::vector<std::string> pair_verdicts(const Study& study, const Summary& summar
 }  // namespace
 
 std::vector<SweepQuantity> sweep_quantities(const Study& study, const Summary& summary) {
-  switch (study.kind) {
-    case StudyKind::kImages:
-      return {};
-    case StudyKind::kNumeric:
-      return numeric_quantities(study);
-    case StudyKind::kOrientation:
-      return orientation_quantities(study, summary);
+  if (const NumericStudy* const numeric = study.numeric()) return numeric_quantities(*numeric);
+  if (const OrientationStudy* const orientation = study.orientation()) {
+    return orientation_quantities(*orientation, summary);
   }
   return {};
 }
@@ -212,8 +210,11 @@ int sweep_decimals(const Summary& summary, const SweepQuantity& quantity) {
 }
 
 std::vector<std::string> claim_verdicts(const Study& study, const Summary& summary) {
-  if (study.limits) return limit_verdicts(study, summary, *study.limits);
-  if (study.kind == StudyKind::kOrientation) return pair_verdicts(study, summary);
+  const NumericStudy* const numeric = study.numeric();
+  if (numeric != nullptr && numeric->limits) {
+    return limit_verdicts(study, summary, *numeric->limits);
+  }
+  if (study.orientation() != nullptr) return pair_verdicts(study, summary);
   return {};
 }
 

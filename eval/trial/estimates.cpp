@@ -72,7 +72,7 @@ double nees_of(const Pose& pose, const Pose& truth, const Matrix6d& covariance) 
   return factor.matrixL().solve(error.cwiseQuotient(scale)).squaredNorm();
 }
 
-EstimateRecord solve(const Study& study, const PoseSolver& solver, const std::string& name,
+EstimateRecord solve(const PoseStudy& study, const PoseSolver& solver, const std::string& name,
                      const FoundPoints& found, const TrialRecord& record) {
   PoseProblem problem = found.problem;
   if (solver.evaluation_only) {
@@ -80,7 +80,7 @@ EstimateRecord solve(const Study& study, const PoseSolver& solver, const std::st
       problem.true_inliers.push_back(!record.observations[slot].is_outlier);
     }
   }
-  const PoseEstimate estimate = solver.solve(problem, study.solver_options);
+  const PoseEstimate estimate = solver.solve(problem, study.solving.options);
   EstimateRecord out;
   out.solver = name;
   out.status = to_string(estimate.status);
@@ -148,15 +148,14 @@ FoundPoints with_noise_alone(const FoundPoints& found, const TrialRecord& record
   return out;
 }
 
-FoundPoints points_for(PoseInput input, const Study& study, const FoundPoints& found,
+FoundPoints points_for(PoseInput input, uint64_t seed, const FoundPoints& found,
                        const TrialRecord& record) {
   switch (input) {
     case PoseInput::kExact:
       return at_truth(found, record, [](const ObservationRecord&) { return true; });
     case PoseInput::kNoise:
       return with_noise_alone(
-          found, record,
-          RandomStream(study.seed, "noise input", static_cast<uint64_t>(record.trial)));
+          found, record, RandomStream(seed, "noise input", static_cast<uint64_t>(record.trial)));
     case PoseInput::kInliers:
       return inliers_of(found, record);
   }
@@ -165,15 +164,15 @@ FoundPoints points_for(PoseInput input, const Study& study, const FoundPoints& f
 
 }  // namespace
 
-std::vector<EstimateRecord> estimates_of(const Study& study, const FoundPoints& found,
-                                         const TrialRecord& record) {
+std::vector<EstimateRecord> estimates_of(const PoseStudy& study, uint64_t seed,
+                                         const FoundPoints& found, const TrialRecord& record) {
   std::vector<EstimateRecord> estimates;
-  for (const PoseSolver* solver : study.solvers) {
+  for (const PoseSolver* solver : study.solving.solvers) {
     estimates.push_back(solve(study, *solver, std::string(solver->name), found, record));
   }
-  for (const PoseInput input : study.inputs) {
-    const FoundPoints points = points_for(input, study, found, record);
-    for (const PoseSolver* solver : study.solvers) {
+  for (const PoseInput input : study.solving.inputs) {
+    const FoundPoints points = points_for(input, seed, found, record);
+    for (const PoseSolver* solver : study.solving.solvers) {
       if (solver->evaluation_only) continue;
       estimates.push_back(solve(study, *solver, name_with(solver->name, input), points, record));
     }
@@ -181,9 +180,9 @@ std::vector<EstimateRecord> estimates_of(const Study& study, const FoundPoints& 
   return estimates;
 }
 
-std::vector<EstimateRecord> failed_estimates(const Study& study, const std::string& reason) {
+std::vector<EstimateRecord> failed_estimates(const Solving& solving, const std::string& reason) {
   std::vector<EstimateRecord> estimates;
-  for (const std::string& name : study.solver_names()) {
+  for (const std::string& name : solving.names()) {
     EstimateRecord& estimate = estimates.emplace_back();
     estimate.solver = name;
     estimate.status = reason;

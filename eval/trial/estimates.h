@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -17,11 +18,11 @@ struct FoundPoints {
 };
 
 /// What each solver of the study makes of the points, against the truth in the trial's record. Only
-/// solvers for evaluation are told which points are inliers.
-std::vector<EstimateRecord> estimates_of(const Study& study, const FoundPoints& found,
-                                         const TrialRecord& record);
+/// solvers for evaluation are told which points are inliers. `seed` is the whole study's.
+std::vector<EstimateRecord> estimates_of(const PoseStudy& study, uint64_t seed,
+                                         const FoundPoints& found, const TrialRecord& record);
 
 /// The estimates of a trial without observations: every solver failed, for that reason.
-std::vector<EstimateRecord> failed_estimates(const Study& study, const std::string& reason);
+std::vector<EstimateRecord> failed_estimates(const Solving& solving, const std::string& reason);
 
 }  // namespace sightline

@@ -13,11 +13,11 @@
 namespace sightline {
 namespace {
 
-FoundPoints found_points(const Study& study, const Trial& trial, const Pose& looked_around) {
+FoundPoints found_points(const ImageStudy& study, const Trial& trial, const Pose& looked_around) {
   FoundPoints found;
   PoseProblem& problem = found.problem;
   problem.camera = trial.scene.camera;
-  if (study.start == Start::kPrior) {
+  if (study.solving.start == Start::kPrior) {
     problem.initial_cam_from_target = looked_around;
   }
   for (size_t i = 0; i < trial.observations.size(); ++i) {
@@ -31,7 +31,7 @@ FoundPoints found_points(const Study& study, const Trial& trial, const Pose& loo
   return found;
 }
 
-std::vector<ObservationRecord> compare_with_truth(const Study& study, const Trial& trial) {
+std::vector<ObservationRecord> compare_with_truth(const ImageStudy& study, const Trial& trial) {
   std::vector<ObservationRecord> records;
   for (const Observation& observation : trial.observations) {
     const FeatureTruth& truth = trial.frame.truth.target().features[observation.feature];
@@ -55,20 +55,19 @@ std::vector<ObservationRecord> compare_with_truth(const Study& study, const Tria
 }
 
 // Scene and frame of a trial, drawn and rendered. Returns why there is none; empty where there is.
-std::string render_frame(const Study& study, Renderer& renderer, Trial& trial) {
-  const Condition& condition = study.conditions[trial.record.condition];
+std::string render_frame(const ImageStudy& study, uint64_t seed, Renderer& renderer, Trial& trial) {
+  const ImageCell& cell = study.cells[trial.record.condition];
   const int64_t draw = study.draw_of(trial.record.trial);
-  const DrawnScene drawn =
-      draw_scene(study.setups[condition.setup].scene, condition.pose, study.seed, draw);
+  const DrawnScene drawn = draw_scene(study.setups[cell.setup].scene, cell.pose, seed, draw);
   trial.scene = drawn.scene;
   trial.record.redraws = drawn.redraws;
   if (!drawn.is_imageable) return "not imaged";
-  trial.frame = renderer.render(trial.scene, RandomStream(study.seed, "sensor", draw));
+  trial.frame = renderer.render(trial.scene, RandomStream(seed, "sensor", draw));
   return "";
 }
 
 // The same from a data set.
-std::string read_frame(const Study& study, Trial& trial) {
+std::string read_frame(const ImageStudy& study, Trial& trial) {
   SetFrame shown = read_set_frame(study.target, study.setup_of(trial.record.condition).scene.bits,
                                   study.sighting_of(trial.record.trial));
   trial.scene = std::move(shown.scene);
@@ -77,37 +76,39 @@ std::string read_frame(const Study& study, Trial& trial) {
 }
 
 // The prior of a trial with a scene: drawn about the truth, or given; none where there is none.
-std::optional<Pose> prior_for(const Study& study, const Trial& trial) {
-  if (study.has_given_priors) return study.sighting_of(trial.record.trial).prior_cam_from_target;
-  RandomStream stream(study.seed, "prior", study.draw_of(trial.record.trial));
+std::optional<Pose> prior_for(const ImageStudy& study, uint64_t seed, const Trial& trial) {
+  if (study.sighted && study.sighted->has_given_priors) {
+    return study.sighting_of(trial.record.trial).prior_cam_from_target;
+  }
+  RandomStream stream(seed, "prior", study.draw_of(trial.record.trial));
   return draw_prior(trial.scene.cam_from_target, trial.scene.camera,
                     study.setup_of(trial.record.condition).prior, stream);
 }
 
 }  // namespace
 
-Trial run_trial(const Study& study, int64_t index, Renderer& renderer) {
+Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Renderer& renderer) {
   Trial trial;
   TrialRecord& record = trial.record;
   record.trial = index;
-  record.condition = study.condition_of(index);
+  record.condition = static_cast<int>(index % study.cells.size());
   std::string problem =
-      study.sightings ? read_frame(study, trial) : render_frame(study, renderer, trial);
+      study.sighted ? read_frame(study, trial) : render_frame(study, seed, renderer, trial);
   record.true_cam_from_target = trial.scene.cam_from_target;
   if (problem.empty()) {
-    const std::optional<Pose> prior = prior_for(study, trial);
+    const std::optional<Pose> prior = prior_for(study, seed, trial);
     if (prior) record.prior_cam_from_target = *prior;
     if (!prior) problem = "no prior";
   }
   if (!problem.empty()) {
-    record.estimates = failed_estimates(study, problem);
+    record.estimates = failed_estimates(study.solving, problem);
     return trial;
   }
-  extract_and_solve(study, trial, renderer);
+  extract_and_solve(study, seed, trial, renderer);
   return trial;
 }
 
-void extract_and_solve(const Study& study, Trial& trial, Renderer& renderer) {
+void extract_and_solve(const ImageStudy& study, uint64_t seed, Trial& trial, Renderer& renderer) {
   TrialRecord& record = trial.record;
   Extraction extraction =
       extract_in_passes(study, study.setup_of(record.condition), trial.scene, trial.frame.image,
@@ -115,7 +116,7 @@ void extract_and_solve(const Study& study, Trial& trial, Renderer& renderer) {
   trial.observations = std::move(extraction.observations);
   record.observations = compare_with_truth(study, trial);
   const FoundPoints found = found_points(study, trial, extraction.cam_from_target);
-  record.estimates = estimates_of(study, found, record);
+  record.estimates = estimates_of(study, seed, found, record);
 }
 
 }  // namespace sightline

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "eval/records/records.h"
@@ -20,12 +21,12 @@ struct Trial {
   std::vector<Observation> observations;  ///< in the order of the study's features
 };
 
-/// Runs trial number `index` from scene to errors. It depends on nothing but the study and the
-/// index: the same in any shard, order or process.
-Trial run_trial(const Study& study, int64_t index, Renderer& renderer);
+/// Runs trial number `index` of a study with this seed from scene to errors. It depends on nothing
+/// else: the same in any shard, order or process.
+Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Renderer& renderer);
 
-/// The second half of run_trial: what is extracted from the trial's frame around its prior, how
-/// that stands against the truth, and what the solvers make of it.
-void extract_and_solve(const Study& study, Trial& trial, Renderer& renderer);
+/// The second half of run_image_trial: what is extracted from the trial's frame around its prior,
+/// how that stands against the truth, and what the solvers make of it.
+void extract_and_solve(const ImageStudy& study, uint64_t seed, Trial& trial, Renderer& renderer);
 
 }  // namespace sightline

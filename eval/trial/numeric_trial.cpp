@@ -13,10 +13,6 @@
 namespace sightline {
 namespace {
 
-const Eigen::Vector3d& position_of(const Study& study, int slot) {
-  return study.target->features[study.features[slot]].position_m;
-}
-
 // Brings `count` items, drawn without replacement, to the front.
 template <typename Item>
 void draw_to_front(std::vector<Item>& items, int count, RandomStream& stream) {
@@ -27,7 +23,8 @@ void draw_to_front(std::vector<Item>& items, int count, RandomStream& stream) {
 }
 
 // The exact projections; none when a feature is behind the camera.
-std::vector<ObservationRecord> project_features(const Study& study, const Pose& cam_from_target) {
+std::vector<ObservationRecord> project_features(const NumericStudy& study,
+                                                const Pose& cam_from_target) {
   std::vector<ObservationRecord> records;
   for (const int feature : study.features) {
     const TargetFeature& of_target = study.target->features[feature];
@@ -57,7 +54,7 @@ Eigen::Vector2d drawn_displacement(const PlantedOutliers& law, RandomStream& str
          Eigen::Vector2d(std::cos(angle), std::sin(angle));
 }
 
-void swap_pairs(const Study& study, int count, RandomStream& stream,
+void swap_pairs(const NumericStudy& study, int count, RandomStream& stream,
                 std::vector<ObservationRecord>& records) {
   std::vector<std::pair<int, int>> pairs = mirrored_pairs(*study.target, study.features);
   draw_to_front(pairs, count, stream);
@@ -86,7 +83,7 @@ void replay_failures(const OutlierModel& model, RandomStream& stream,
   }
 }
 
-void plant_outliers(const Study& study, int count, RandomStream& stream,
+void plant_outliers(const NumericStudy& study, int count, RandomStream& stream,
                     std::vector<ObservationRecord>& records) {
   const PlantedOutliers& law = study.planted;
   if (law.law == OutlierLaw::kModel) {
@@ -109,15 +106,16 @@ void plant_outliers(const Study& study, int count, RandomStream& stream,
   }
 }
 
-FoundPoints all_points(const Study& study, const TrialRecord& record) {
+FoundPoints all_points(const NumericStudy& study, const TrialRecord& record) {
   FoundPoints found;
   PoseProblem& problem = found.problem;
   problem.camera = study.camera;
-  if (study.start == Start::kPrior) problem.initial_cam_from_target = record.prior_cam_from_target;
-  if (study.is_sigma_known) problem.sigma_px = study.conditions[record.condition].noise_sd;
+  if (study.solving.start == Start::kPrior)
+    problem.initial_cam_from_target = record.prior_cam_from_target;
+  if (study.is_sigma_known) problem.sigma_px = study.cells[record.condition].noise_px;
   for (size_t i = 0; i < record.observations.size(); ++i) {
     if (!record.observations[i].is_found()) continue;
-    problem.points_in_target.push_back(position_of(study, static_cast<int>(i)));
+    problem.points_in_target.push_back(study.feature(static_cast<int>(i)).position_m);
     problem.pixels.push_back(record.observations[i].pixel);
     found.slots.push_back(static_cast<int>(i));
   }
@@ -126,28 +124,28 @@ FoundPoints all_points(const Study& study, const TrialRecord& record) {
 
 }  // namespace
 
-TrialRecord run_numeric_trial(const Study& study, int64_t index) {
+TrialRecord run_numeric_trial(const NumericStudy& study, uint64_t seed, int64_t index) {
   TrialRecord record;
   record.trial = index;
-  record.condition = study.condition_of(index);
-  const Condition& condition = study.conditions[record.condition];
+  record.condition = static_cast<int>(index % study.cells.size());
+  const NumericCell& cell = study.cells[record.condition];
 
-  RandomStream pose_stream(study.seed, "pose", index);
+  RandomStream pose_stream(seed, "pose", index);
   record.true_cam_from_target = drawn_pose(study.poses, pose_stream);
   record.observations = project_features(study, record.true_cam_from_target);
   if (record.observations.empty()) {
-    record.estimates = failed_estimates(study, "not imaged");
+    record.estimates = failed_estimates(study.solving, "not imaged");
     return record;
   }
-  if (study.start == Start::kPrior) {
-    RandomStream prior_stream(study.seed, "prior", index);
+  if (study.solving.start == Start::kPrior) {
+    RandomStream prior_stream(seed, "prior", index);
     record.prior_cam_from_target =
         draw_prior(record.true_cam_from_target, study.camera, study.prior, prior_stream);
   }
-  RandomStream noise_stream(study.seed, "pixel", index);
-  add_noise(condition.noise_sd, noise_stream, record.observations);
-  RandomStream outlier_stream(study.seed, "outliers", index);
-  plant_outliers(study, condition.outliers, outlier_stream, record.observations);
+  RandomStream noise_stream(seed, "pixel", index);
+  add_noise(cell.noise_px, noise_stream, record.observations);
+  RandomStream outlier_stream(seed, "outliers", index);
+  plant_outliers(study, cell.outliers, outlier_stream, record.observations);
   for (ObservationRecord& observation : record.observations) {
     if (observation.is_found()) {
       observation.error_px = (observation.pixel - observation.true_pixel).norm();
@@ -156,7 +154,7 @@ TrialRecord run_numeric_trial(const Study& study, int64_t index) {
       observation.label = to_string(ObservationLabel::kMissing);
     }
   }
-  record.estimates = estimates_of(study, all_points(study, record), record);
+  record.estimates = estimates_of(study, seed, all_points(study, record), record);
   return record;
 }
 }  // namespace sightline

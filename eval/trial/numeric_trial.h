@@ -10,11 +10,11 @@
 
 namespace sightline {
 
-/// Runs trial number `index` of a numeric study: a drawn pose, the exact projections of the
-/// target's features (none hides another, and the image has no border), Gaussian noise, planted
-/// outliers, and what the solvers make of them. A point is an outlier if and only if it was
-/// planted. It depends on nothing but the study and the index. With a feature behind the camera it
+/// Runs trial number `index` of a numeric study with this seed: a drawn pose, the exact projections
+/// of the target's features (none hides another, and the image has no border), Gaussian noise,
+/// planted outliers, and what the solvers make of them. A point is an outlier if and only if it was
+/// planted. It depends on nothing else. With a feature behind the camera it
 /// is a failed trial, without observations.
-TrialRecord run_numeric_trial(const Study& study, int64_t index);
+TrialRecord run_numeric_trial(const NumericStudy& study, uint64_t seed, int64_t index);
 
 }  // namespace sightline

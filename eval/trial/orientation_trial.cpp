@@ -92,15 +92,15 @@ double mean_time_ns(const OrientationMethod& method, const Points& points_in_a,
 
 }  // namespace
 
-TrialRecord run_orientation_trial(const Study& study, int64_t index) {
+TrialRecord run_orientation_trial(const OrientationStudy& study, uint64_t seed, int64_t index) {
   TrialRecord record;
   record.trial = index;
-  record.condition = study.condition_of(index);
-  const Condition& condition = study.conditions[record.condition];
+  record.condition = static_cast<int>(index % study.cells.size());
+  const OrientationCell& cell = study.cells[record.condition];
   const PointPairs& pairs = study.pairs;
 
-  RandomStream draw_stream(study.seed, "points", index);
-  const Points points_in_a = drawn_points(condition.points, pairs.half_side_m, draw_stream);
+  RandomStream draw_stream(seed, "points", index);
+  const Points points_in_a = drawn_points(cell.points, pairs.half_side_m, draw_stream);
   const Eigen::Vector3d theta_deg = drawn_in_cube(180, draw_stream);
   const Pose b_from_a = pose_from(theta_deg, drawn_in_cube(pairs.translation_m, draw_stream));
   record.true_cam_from_target = b_from_a;
@@ -108,9 +108,9 @@ TrialRecord run_orientation_trial(const Study& study, int64_t index) {
     record.orientations.emplace_back().method = method->name;
   }
 
-  RandomStream noise_stream(study.seed, "point noise", index);
+  RandomStream noise_stream(seed, "point noise", index);
   for (int copy = 0; copy < pairs.copies; ++copy) {
-    const Points points_in_b = noisy_copy(points_in_a, b_from_a, condition.noise_sd, noise_stream);
+    const Points points_in_b = noisy_copy(points_in_a, b_from_a, cell.noise_m, noise_stream);
     for (size_t i = 0; i < study.methods.size(); ++i) {
       const OrientationMethod& method = *study.methods[i];
       OrientationRecord& sums = record.orientations[i];

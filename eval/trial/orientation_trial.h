@@ -13,6 +13,6 @@ namespace sightline {
 /// and of it the study's number of noisy copies, which every method solves. It depends on nothing
 /// but the study and the index, except for the times of a study that takes them: those are of the
 /// first copy, solved again and again.
-TrialRecord run_orientation_trial(const Study& study, int64_t index);
+TrialRecord run_orientation_trial(const OrientationStudy& study, uint64_t seed, int64_t index);
 
 }  // namespace sightline

@@ -24,7 +24,7 @@ constexpr double kFloorAfterWrongLight = 0.5;
 
 // Where a study looks: its frame, features and options.
 struct Task {
-  const Study& study;
+  const ImageStudy& study;
   const ImageSetup& setup;
   const Camera& camera;
   double white;
@@ -90,7 +90,7 @@ std::optional<PosePrior> improved(const Task& task, const std::vector<Observatio
   }
   add_prior(task, prior, problem);
   const PoseEstimate estimate =
-      find_pose_solver("orpe_weighed")->solve(problem, task.study.solver_options);
+      find_pose_solver("orpe_weighed")->solve(problem, task.study.solving.options);
   if (estimate.status != PoseStatus::kOk) return std::nullopt;
   if (!passes_gate(task, prior.cam_from_target, estimate.cam_from_target)) return std::nullopt;
   return PosePrior{estimate.cam_from_target, estimate.covariance};
@@ -137,7 +137,7 @@ void remove_bias(const Task& task, const cv::Mat& rendering, const PosePrior& po
 
 }  // namespace
 
-Extraction extract_in_passes(const Study& study, const ImageSetup& setup, const Scene& scene,
+Extraction extract_in_passes(const ImageStudy& study, const ImageSetup& setup, const Scene& scene,
                              const cv::Mat& image, const Pose& prior_cam_from_target,
                              Renderer& renderer) {
   const Task task{study, setup, scene.camera, std::exp2(scene.sensor.bits) - 1};

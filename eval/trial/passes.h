@@ -23,7 +23,7 @@ struct Extraction {
 /// prior, extract again around the pose found. A pass that finds less than half of what the one
 /// before found is dropped. Of the scene only what a user would know is used: the camera, and, to
 /// remove the extractors' bias, target, light and background level.
-Extraction extract_in_passes(const Study& study, const ImageSetup& setup, const Scene& scene,
+Extraction extract_in_passes(const ImageStudy& study, const ImageSetup& setup, const Scene& scene,
                              const cv::Mat& image, const Pose& prior_cam_from_target,
                              Renderer& renderer);
 

@@ -176,7 +176,7 @@ std::vector<Json> list_elements(const SetPlan& plan, const Json& truth) {
 }
 
 std::string dataset_info(const SetPlan& plan) {
-  const Camera& camera = plan.study.camera;
+  const Camera& camera = plan.images().setups.front().scene.camera;
   std::string objects;
   for (size_t i = 0; i < plan.objects.size(); ++i) {
     objects += fmt::format("- obj_{:06}: {}\n", i + 1, plan.objects[i]->name);
@@ -202,8 +202,8 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
       fmt::arg("name", plan.study.name), fmt::arg("count", plan.count),
       fmt::arg("version", SIGHTLINE_VERSION), fmt::arg("seed", plan.study.seed),
       fmt::arg("chunk", plan.chunk), fmt::arg("objects", objects),
-      fmt::arg("bits", plan.study.setups.front().scene.bits),
-      fmt::arg("white", (1 << plan.study.setups.front().scene.bits) - 1),
+      fmt::arg("bits", plan.images().setups.front().scene.bits),
+      fmt::arg("white", (1 << plan.images().setups.front().scene.bits) - 1),
       fmt::arg("depth_scale", plan.depth_scale),
       fmt::arg("truth", plan.has_full_truth ? "full" : "minimal: it has not"),
       fmt::arg("k1", camera.distortion.k1), fmt::arg("k2", camera.distortion.k2),
@@ -212,7 +212,7 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
 }
 
 std::vector<SetFile> set_files(const SetPlan& plan) {
-  const Camera& camera = plan.study.camera;
+  const Camera& camera = plan.images().setups.front().scene.camera;
   const Json camera_json = {
       {"cx", camera.cx_px},      {"cy", camera.cy_px}, {"depth_scale", plan.depth_scale},
       {"fx", camera.fx_px},      {"fy", camera.fy_px}, {"height", camera.height_px},

@@ -71,11 +71,11 @@ std::string conventions(const SetPlan& plan) {
 - model/target.ply: the target, millimetres.
 )",
       plan.study.name, plan.count, SIGHTLINE_VERSION, plan.study.seed,
-      (1 << plan.study.setups.front().scene.bits) - 1, 1e6 * kPixelPitch_m);
+      (1 << plan.images().setups.front().scene.bits) - 1, 1e6 * kPixelPitch_m);
 }
 
 std::vector<SetFile> set_files(const SetPlan& plan) {
-  const Camera& camera = plan.study.camera;
+  const Camera& camera = plan.images().setups.front().scene.camera;
   const BrownConrady& lens = camera.distortion;
   const double cx = camera.cx_px + kHalfPixel;
   const double cy = camera.cy_px + kHalfPixel;
@@ -92,7 +92,7 @@ std::vector<SetFile> set_files(const SetPlan& plan) {
       {"distCoeffs", {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}}};
   return {{"camera.json", json.dump(2) + "\n"},
           {"conventions.md", conventions(plan)},
-          {"model/target.ply", ply_bytes(plan.study.target->mesh)}};
+          {"model/target.ply", ply_bytes(plan.images().target->mesh)}};
 }
 
 }  // namespace

@@ -17,9 +17,11 @@
 #include "eval/datasets/sightings.h"
 #include "eval/image_sets/models.h"
 #include "eval/image_sets/set_format.h"
+#include "eval/study/study_file.h"
 #include "eval/trial/image_trial.h"
 #include "scenes/files/input_error.h"
 #include "tests/eval/program.h"
+#include "tests/eval/studies.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 

@@ -18,6 +18,7 @@
 #include "eval/statistics/statistics.h"
 #include "pose/attitude.h"
 #include "pose/solver.h"
+#include "tests/eval/studies.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -51,8 +52,8 @@ TEST(ChartScale, DoesNotStretchDownToErrorsWithoutNoise) {
 
 Study swept_study() {
   Study study;
-  study.kind = StudyKind::kNumeric;
-  study.solvers = {find_pose_solver("lspe"), find_pose_solver("orpe")};
+  study.kind.emplace<NumericStudy>().solving.solvers = {find_pose_solver("lspe"),
+                                                        find_pose_solver("orpe")};
   for (const double outliers : {1.0, 2.0}) {
     for (const double noise_px : {3.0, 1.0, 2.0}) {
       Condition& condition = study.conditions.emplace_back();
@@ -165,7 +166,7 @@ TEST(PairedCharts, SubtractTrialByTrial) {
   inputs.trials[0].estimates[0].status = "diverged";  // the cap
   const Chart failed = named(paired_charts(inputs.input()), "paired-theta-1");
   EXPECT_NEAR(failed.series[0].y[2], (20 - 0.6 - 9 * 0.5) / 10, 1e-9);
-  inputs.study.solvers.resize(1);
+  numeric_of(inputs.study).solving.solvers.resize(1);
   EXPECT_TRUE(paired_charts(inputs.input()).empty());
 }
 
@@ -179,7 +180,7 @@ TEST(AngleCharts, SortTrialsByPitchAndYaw) {
   EXPECT_EQ(trials, 60);
   EXPECT_EQ(cells.x.size(), 9u);
   EXPECT_LT(cells.value.front(), cells.value.back());  // later trials err more, and have more yaw
-  inputs.study.poses.theta_deg = {{0, 0, 0}};
+  numeric_of(inputs.study).poses.theta_deg = {{0, 0, 0}};
   EXPECT_TRUE(angles_charts(inputs.input()).empty()) << "given poses are too few";
 }
 

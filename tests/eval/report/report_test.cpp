@@ -26,8 +26,10 @@
 #include "eval/report/frame_svg.h"
 #include "eval/report/means.h"
 #include "eval/report/outline.h"
+#include "eval/study/study_file.h"
 #include "pose/attitude.h"
 #include "scenes/files/input_error.h"
+#include "tests/eval/studies.h"
 
 namespace sightline {
 namespace {

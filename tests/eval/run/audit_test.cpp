@@ -16,6 +16,7 @@
 #include "eval/compare/compare.h"
 #include "eval/report/report.h"
 #include "eval/results/store.h"
+#include "eval/study/study_file.h"
 #include "eval/summary/localisation.h"
 #include "eval/summary/summary.h"
 #include "eval/summary/summary_json.h"
@@ -23,6 +24,7 @@
 #include "eval/trial/image_trial.h"
 #include "eval/trial/numeric_trial.h"
 #include "tests/eval/program.h"
+#include "tests/eval/studies.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -128,7 +130,7 @@ Flow flow_of(Study study) {
 
 Flow flow_with(const PoseSolver& solver) {
   Study study = cube_study();
-  study.solvers = {&solver};
+  numeric_of(study).solving.solvers = {&solver};
   return flow_of(std::move(study));
 }
 
@@ -348,7 +350,7 @@ class ImageAudit : public testing::Test {
     std::vector<TrialRecord> records;
     for (Trial trial : trials_) {
       trial.frame.image = fault(trial);
-      extract_and_solve(study_, trial, renderer_);
+      extract_and_solve(*study_.images(), study_.seed, trial, renderer_);
       records.push_back(trial.record);
     }
     return records;

@@ -5,9 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "eval/study/study.h"
+#include "eval/study/study_file.h"
 #include "eval/trial/numeric_trial.h"
 #include "scenes/files/input_error.h"
+#include "tests/eval/studies.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "eval/study/study.h"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "eval/study/study_file.h"
 #include "eval/trial/image_trial.h"
 #include "scenes/files/assets.h"
+#include "tests/eval/studies.h"
 #include "tests/scenes/error_text.h"
 
 namespace sightline {
@@ -30,7 +30,7 @@ TEST(Study, AllThatShipAreRead) {
     EXPECT_EQ(study.name, name);
     EXPECT_FALSE(study.question.empty());
     EXPECT_FALSE(study.solver_names().empty());
-    EXPECT_EQ(study.kind == StudyKind::kOrientation, study.solvers.empty());
+    EXPECT_EQ(study.orientation() != nullptr, study.solvers().empty());
   }
 }
 
@@ -45,7 +45,7 @@ TEST(Study, Table1IsThePapers) {
   }
   EXPECT_NEAR(orpe_deg, 2.07, 0.005);  // the abstract's means
   EXPECT_NEAR(orpe_percent, 1.6, 0.005);
-  EXPECT_EQ(study.features.size(), 5u);
+  EXPECT_EQ(study.images()->features.size(), 5u);
 }
 
 TEST(Study, OverridesCountAndAreKept) {
@@ -53,7 +53,7 @@ TEST(Study, OverridesCountAndAreKept) {
       read_study("boeing-table1", {.trials = 3, .seed = 9, .set = {"noise.scale=2"}});
   EXPECT_EQ(study.trial_count(), 12);
   EXPECT_EQ(study.seed, 9u);
-  EXPECT_EQ(study.setups.front().scene.noise_scale, 2);
+  EXPECT_EQ(study.images()->setups.front().scene.noise_scale, 2);
   const Study again = read_study_text(study.toml, "study.toml");
   EXPECT_EQ(again.name, "boeing-table1");
   EXPECT_EQ(again.trial_count(), 12);
@@ -120,7 +120,7 @@ TEST(Study, AnyKeyOfASceneCanBeSwept) {
                   .seed = {},
                   .set = {"sweep={'background.level'=[0.1, 0.9], 'prior.attitude_deg'=[1, 2], "
                           "'light.casts_shadow'=[true]}"}});
-  ASSERT_EQ(study.setups.size(), 4u);
+  ASSERT_EQ(study.images()->setups.size(), 4u);
   ASSERT_EQ(study.conditions.size(), 4u);
   EXPECT_EQ(study.trial_count(), 8);
   const Condition& last = study.conditions[3];
@@ -128,13 +128,13 @@ TEST(Study, AnyKeyOfASceneCanBeSwept) {
             (std::map<std::string, double>{{"background.level", 0.9}, {"prior.attitude_deg", 2}}));
   EXPECT_EQ(last.words.at("light.casts_shadow"), "true");
   EXPECT_THAT(last.label, HasSubstr("level 0.9, casts_shadow true"));
-  EXPECT_EQ(study.setup_of(3).scene.background_level.max, 0.9);
-  EXPECT_EQ(study.setup_of(3).prior.attitude_deg, 2);
-  EXPECT_EQ(study.setup_of(0).prior.attitude_deg, 1);
-  EXPECT_TRUE(study.setup_of(0).scene.casts_shadow);
+  EXPECT_EQ(study.images()->setup_of(3).scene.background_level.max, 0.9);
+  EXPECT_EQ(study.images()->setup_of(3).prior.attitude_deg, 2);
+  EXPECT_EQ(study.images()->setup_of(0).prior.attitude_deg, 1);
+  EXPECT_TRUE(study.images()->setup_of(0).scene.casts_shadow);
   // The cells share their draws, and two draws of a cell are two.
-  EXPECT_EQ(study.draw_of(0), study.draw_of(3));
-  EXPECT_NE(study.draw_of(0), study.draw_of(4));
+  EXPECT_EQ(study.images()->draw_of(0), study.images()->draw_of(3));
+  EXPECT_NE(study.images()->draw_of(0), study.images()->draw_of(4));
 }
 
 TEST(Study, GivenPosesCrossSweptKeys) {
@@ -142,11 +142,11 @@ TEST(Study, GivenPosesCrossSweptKeys) {
       read_study("boeing-table1",
                  {.trials = 2, .seed = {}, .set = {"sweep={'image.psf_sigma_px'=[0.5, 1.5]}"}});
   ASSERT_EQ(study.conditions.size(), 8u);
-  EXPECT_EQ(study.conditions[5].pose, 1);
-  EXPECT_EQ(study.conditions[5].setup, 1);
+  EXPECT_EQ(study.images()->cells[5].pose, 1);
+  EXPECT_EQ(study.images()->cells[5].setup, 1);
   EXPECT_EQ(study.conditions[5].values.at("pose"), 2);
-  EXPECT_EQ(study.draw_of(5), study.draw_of(1));
-  EXPECT_NE(study.draw_of(5), study.draw_of(4));
+  EXPECT_EQ(study.images()->draw_of(5), study.images()->draw_of(1));
+  EXPECT_NE(study.images()->draw_of(5), study.images()->draw_of(4));
   const Study again = read_study_text(study.toml, "study.toml");
   EXPECT_EQ(again.conditions.size(), 8u);
   EXPECT_EQ(again.toml, study.toml);
@@ -162,9 +162,9 @@ TEST(Study, SeveralSweepsFollowEachOther) {
   ASSERT_EQ(study.conditions.size(), 4u);
   EXPECT_EQ(study.conditions[1].label, "background.level 0.9");
   EXPECT_EQ(study.conditions[3].words.at("background.kind"), "stars");
-  EXPECT_EQ(study.setup_of(3).scene.background_level.max, 0.15);
-  EXPECT_EQ(study.setup_of(3).scene.poses.drawn_range_m.max, 1400);
-  EXPECT_EQ(study.setup_of(0).scene.poses.drawn_range_m.max, 1500);
+  EXPECT_EQ(study.images()->setup_of(3).scene.background_level.max, 0.15);
+  EXPECT_EQ(study.images()->setup_of(3).scene.poses.drawn_range_m.max, 1400);
+  EXPECT_EQ(study.images()->setup_of(0).scene.poses.drawn_range_m.max, 1500);
 }
 
 TEST(Study, ASolverGetsTheInputsAskedFor) {
@@ -244,7 +244,7 @@ TEST(Trial, APoseDrawnOutOfSightIsAFailedRow) {
   Renderer renderer;
   const Trial trial = run_trial(study, 0, renderer);
   EXPECT_EQ(trial.record.redraws, 2);
-  ASSERT_EQ(trial.record.estimates.size(), study.solvers.size());
+  ASSERT_EQ(trial.record.estimates.size(), study.solvers().size());
   for (const EstimateRecord& estimate : trial.record.estimates) {
     EXPECT_EQ(estimate.status, "not imaged");
   }

@@ -9,8 +9,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "eval/study/study_file.h"
 #include "eval/summary/summary_json.h"
 #include "eval/trial/image_trial.h"
+#include "tests/eval/studies.h"
 
 namespace sightline {
 namespace {
@@ -124,7 +126,7 @@ TEST(AccuracyBlock, SaysOfEveryFeatureHowManyAreNearAndHowNear) {
 
 TEST(AccuracyBlock, OfManyCellsHasARowEach) {
   const Study study = read_study("feature-localisation", {.trials = 1, .seed = {}, .set = {}});
-  const std::string table = accuracy_block(study, ExtractionStatistics(study));
+  const std::string table = accuracy_block(study, ExtractionStatistics(*study.images()));
   EXPECT_THAT(row(table, "hough_intersection,"), HasSubstr("read_noise_grey 0.0"));
   EXPECT_THAT(table, Not(HasSubstr("vertex_0")));
 }
@@ -223,7 +225,7 @@ TEST(OutlierImpact, SweepsEveryNuisance) {
   EXPECT_EQ(study.conditions.size(), 5u + 3 + 3 + 2 + 2 + 1 + 2 + 2 + 2 + 2);
   EXPECT_EQ(study.conditions[0].label, "background.level 0.02");
   EXPECT_EQ(study.conditions[17].label, "clouds, background.contrast 0.5");
-  EXPECT_EQ(study.inputs.size(), 3u);
+  EXPECT_EQ(study.images()->solving.inputs.size(), 3u);
 }
 
 TEST(OutlierImpact, ExactProjectionsLeaveNoErrorAndOcclusionHidesFeatures) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "eval/tables/result_table.h"
+#include "tests/eval/studies.h"
 
 namespace sightline {
 namespace {
@@ -28,13 +29,15 @@ Study four_poses() {
       {"pose 1", {{"pose", 1}}, {{"orpe", {1.68, 0.5}}, {"lspe", {2.07, 1.7}}}},
       {"pose 2", {{"pose", 2}}, {{"orpe", {2.08, 2.4}}, {"lspe", {2.22, 2.8}}}},
   };
-  study.conditions[1].pose = 1;
-  study.poses.theta_deg = {{-20, 30, 40}, {-30, 50, 20}};
-  study.poses.t_m = {{-5, 5, 1300}, {-8, 3, 1500}};
-  study.target = load_target("boeing707");
-  study.features = {0, 1, 2, 3, 4};
+  ImageStudy& images = images_of(study);
+  images.cells = {{.setup = 0, .pose = 0}, {.setup = 0, .pose = 1}};
+  PoseLaw& poses = images.setups.emplace_back().scene.poses;
+  poses.theta_deg = {{-20, 30, 40}, {-30, 50, 20}};
+  poses.t_m = {{-5, 5, 1300}, {-8, 3, 1500}};
+  images.target = load_target("boeing707");
+  images.features = {0, 1, 2, 3, 4};
   for (const char* name : {"orpe", "lspe", "oracle"}) {
-    study.solvers.push_back(find_pose_solver(name));
+    images.solving.solvers.push_back(find_pose_solver(name));
   }
   return study;
 }
@@ -51,7 +54,7 @@ ErrorSummary error(double mean, double low, double high) {
 Summary summary_of(const Study& study) {
   Summary summary;
   for (int condition = 0; condition < static_cast<int>(study.conditions.size()); ++condition) {
-    for (const PoseSolver* solver : study.solvers) {
+    for (const PoseSolver* solver : study.solvers()) {
       CellSummary cell;
       cell.condition = condition;
       cell.solver = solver->name;
@@ -146,7 +149,8 @@ mean          4.50      0.75             0.62
 Study drawn_poses() {
   Study study = four_poses();
   study.conditions = {{"all", {}, {}}};
-  study.poses = {};
+  images_of(study).cells = {{}};
+  images_of(study).setups.front().scene.poses = {};
   return study;
 }
 
@@ -203,8 +207,8 @@ TEST(Table, PutsSolversThatDoNotFitInFurtherBlocks) {
   std::vector<PoseSolver> solvers;
   for (const char* name : kNames) solvers.push_back({name, "", 4, false, nullptr});
   Study study = drawn_poses();
-  study.solvers.clear();
-  for (const PoseSolver& solver : solvers) study.solvers.push_back(&solver);
+  images_of(study).solving.solvers.clear();
+  for (const PoseSolver& solver : solvers) images_of(study).solving.solvers.push_back(&solver);
   const std::string table = to_table(study, summary_of(study));
   expect_tidy(table);
   const std::vector<std::string> lines = lines_of(table);
@@ -220,12 +224,13 @@ TEST(Table, OfASweepHoldsADozenSolversAndNineConditions) {
   std::vector<PoseSolver> solvers;
   for (const std::string& name : names) solvers.push_back({name, "", 4, false, nullptr});
   Study study;
-  study.kind = StudyKind::kNumeric;
+  NumericStudy& numeric = study.kind.emplace<NumericStudy>();
   study.title = "A sweep";
   study.claim = "All is well.";
-  for (const PoseSolver& solver : solvers) study.solvers.push_back(&solver);
+  for (const PoseSolver& solver : solvers) numeric.solving.solvers.push_back(&solver);
   for (int i = 0; i < 9; ++i) {
     study.conditions.push_back({std::to_string(i) + " px", {{"noise_px", i}}, {}});
+    numeric.cells.push_back({});
   }
   const std::string table = to_table(study, summary_of(study));
   expect_tidy(table);

@@ -6,8 +6,10 @@
 // and 1 percent.
 #include <gtest/gtest.h>
 
+#include "eval/study/study_file.h"
 #include "eval/summary/localisation.h"
 #include "eval/trial/image_trial.h"
+#include "tests/eval/studies.h"
 
 namespace sightline {
 namespace {

@@ -13,12 +13,14 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/results/results_csv.h"
+#include "eval/study/study_file.h"
 #include "eval/summary/summary.h"
 #include "eval/summary/summary_json.h"
 #include "eval/tables/sweep_table.h"
 #include "eval/trial/numeric_trial.h"
 #include "eval/trial/orientation_trial.h"
 #include "pose/attitude.h"
+#include "tests/eval/studies.h"
 #include "tests/scenes/error_text.h"
 
 namespace sightline {
@@ -37,8 +39,8 @@ Study study_with(const std::string& name, int trials, const Settings& settings =
 std::vector<TrialRecord> run_all(const Study& study) {
   std::vector<TrialRecord> trials;
   for (int64_t i = 0; i < study.trial_count(); ++i) {
-    trials.push_back(study.kind == StudyKind::kNumeric ? run_numeric_trial(study, i)
-                                                       : run_orientation_trial(study, i));
+    trials.push_back(study.numeric() != nullptr ? run_numeric_trial(study, i)
+                                                : run_orientation_trial(study, i));
   }
   return trials;
 }
@@ -67,12 +69,12 @@ TEST(NumericStudy, ConditionsHaveTheNamesOfTheContract) {
   const Study noise = read_study("cube-noise");
   ASSERT_EQ(noise.conditions.size(), 9u);
   EXPECT_EQ(noise.conditions[3].values, (std::map<std::string, double>{{"noise_px", 1.5}}));
-  EXPECT_EQ(noise.conditions[3].noise_sd, 1.5);
-  EXPECT_EQ(noise.conditions[3].outliers, 1);
+  EXPECT_EQ(noise.numeric()->cells[3].noise_px, 1.5);
+  EXPECT_EQ(noise.numeric()->cells[3].outliers, 1);
   const Study outliers = read_study("cube-outliers");
   ASSERT_EQ(outliers.conditions.size(), 4u);
   EXPECT_EQ(outliers.conditions[3].values, (std::map<std::string, double>{{"outliers", 3}}));
-  EXPECT_EQ(outliers.conditions[3].noise_sd, 2);
+  EXPECT_EQ(outliers.numeric()->cells[3].noise_px, 2);
   EXPECT_EQ(outliers.features.size(), 8u);
   EXPECT_EQ(outliers.start, Start::kFree);
 }
@@ -87,7 +89,7 @@ TEST(NumericStudy, SweepsTwoQuantitiesAsTheirProduct) {
 TEST(NumericStudy, NoiseScaleIsNotPartOfTheCondition) {
   const Study study = study_with("cube-noise", 1, {"noise.scale=3"});
   EXPECT_EQ(study.conditions[2].values.at("noise_px"), 1);
-  EXPECT_EQ(study.conditions[2].noise_sd, 3);
+  EXPECT_EQ(study.numeric()->cells[2].noise_px, 3);
 }
 
 TEST(NumericStudy, SolverOptionsReachTheSolvers) {
@@ -95,11 +97,11 @@ TEST(NumericStudy, SolverOptionsReachTheSolvers) {
       "cube-noise", 1,
       {"solver.final=least_squares", "solver.outlier_probability=0.2", "solver.outlier_scale_px=15",
        "solver.false_alarm_rate=0.05", "solver.max_removed=2"});
-  EXPECT_EQ(study.solver_options.orpe.final, OrpeOptions::Final::kLeastSquares);
-  EXPECT_EQ(study.solver_options.outliers.probability, 0.2);
-  EXPECT_EQ(study.solver_options.outliers.scale_px, 15);
-  EXPECT_EQ(study.solver_options.outliers.false_alarm_rate, 0.05);
-  EXPECT_EQ(study.solver_options.outliers.max_removed, 2);
+  EXPECT_EQ(study.numeric()->solving.options.orpe.final, OrpeOptions::Final::kLeastSquares);
+  EXPECT_EQ(study.numeric()->solving.options.outliers.probability, 0.2);
+  EXPECT_EQ(study.numeric()->solving.options.outliers.scale_px, 15);
+  EXPECT_EQ(study.numeric()->solving.options.outliers.false_alarm_rate, 0.05);
+  EXPECT_EQ(study.numeric()->solving.options.outliers.max_removed, 2);
   EXPECT_FALSE(read_study("cube-noise").solver_options.outliers.max_removed.has_value());
 }
 
@@ -280,7 +282,7 @@ constexpr PoseSolver kToldSpy{"told spy", "keeps its problem", 4, true, spy};
 
 std::vector<PoseProblem> problems_of(const Settings& settings) {
   Study study = study_with("cube-outliers", 1, settings);
-  study.solvers = {&kSpy, &kToldSpy};
+  numeric_of(study).solving.solvers = {&kSpy, &kToldSpy};
   spied_problems.clear();
   run_numeric_trial(study, 2);  // two outliers
   return spied_problems;
@@ -304,7 +306,7 @@ TEST(NumericTrial, APoseBehindTheCameraIsAFailedRow) {
   const Study study = study_with("cube-noise", 20, {"poses.range_m=[0.01, 0.02]"});
   const std::vector<TrialRecord> trials = run_all(study);
   EXPECT_TRUE(trials[0].observations.empty());
-  ASSERT_EQ(trials[0].estimates.size(), study.solvers.size());
+  ASSERT_EQ(trials[0].estimates.size(), study.solvers().size());
   EXPECT_EQ(trials[0].estimates[0].status, "not imaged");
 }
 
@@ -395,7 +397,7 @@ TEST(OrientationTrial, IsExactWithoutNoiseAndGrowsWithIt) {
     const Study study =
         study_with("orientation-noise", 20, {std::string("noise.scale=") + scale, "copies=5"});
     const Summary summary = summarise(study, run_all(study));
-    EXPECT_EQ(summary.cells.size(), 6 * study.methods.size());
+    EXPECT_EQ(summary.cells.size(), 6 * study.orientation()->methods.size());
     return summary.cells[0].geodesic_deg.mean;
   };
   EXPECT_LT(error_at("0"), 1e-9);
@@ -406,9 +408,9 @@ TEST(OrientationTrial, IsExactWithoutNoiseAndGrowsWithIt) {
 
 TEST(OrientationTrial, CountsACopyWithoutARotationAsTheCap) {
   Study study = study_with("orientation-points", 2, {"copies=5"});
-  study.methods.push_back(&kNever);
+  orientation_of(study).methods.push_back(&kNever);
   const Summary summary = summarise(study, run_all(study));
-  const CellSummary& cell = summary.cells[study.methods.size() - 1];
+  const CellSummary& cell = summary.cells[study.orientation()->methods.size() - 1];
   EXPECT_EQ(cell.solver, "never");
   EXPECT_EQ(cell.failures, 2);
   EXPECT_EQ(cell.failed_copies, 10);

@@ -6,9 +6,11 @@
 
 #include <gtest/gtest.h>
 
+#include "eval/study/study_file.h"
 #include "eval/summary/localisation.h"
 #include "eval/trial/image_trial.h"
 #include "scenes/files/input_error.h"
+#include "tests/eval/studies.h"
 
 namespace sightline {
 namespace {
@@ -59,9 +61,9 @@ TEST(Passes, OnePassLooksAroundThePrior) {
   Renderer renderer;
   const Trial trial = run_trial(study, 0, renderer);
   const auto look = [&](int passes) {
-    ImageSetup setup = study.setups.front();
+    ImageSetup setup = study.images()->setups.front();
     setup.passes = passes;
-    return extract_in_passes(study, setup, trial.scene, trial.frame.image,
+    return extract_in_passes(*study.images(), setup, trial.scene, trial.frame.image,
                              trial.record.prior_cam_from_target, renderer);
   };
   const auto off_deg = [&](const Extraction& extraction) {
@@ -88,7 +90,7 @@ TEST(Passes, RemovingTheBiasOfTheExtractorsLessensTheError) {
 TEST(Passes, TheBiasIsThatOfACoarserMeshUnlessAskedOtherwise) {
   const auto triangles = [](const std::vector<std::string>& settings) {
     const Study study = study_with(1, settings);
-    const auto& bias_target = study.setups.front().bias_target;
+    const auto& bias_target = study.images()->setups.front().bias_target;
     return bias_target == nullptr ? 0.0 : static_cast<double>(bias_target->mesh.triangles.size());
   };
   const double all =
@@ -115,10 +117,10 @@ TEST(Passes, APassThatFindsLessThanHalfIsDropped) {
     empty.cam_from_target.translation *= 50;
     const cv::Mat image = renderer.render(empty, RandomStream(1, "sensor", i)).image;
     const auto look = [&](int passes) {
-      ImageSetup setup = study.setups.front();
+      ImageSetup setup = study.images()->setups.front();
       setup.passes = passes;
-      return extract_in_passes(study, setup, trial.scene, image, trial.record.prior_cam_from_target,
-                               renderer);
+      return extract_in_passes(*study.images(), setup, trial.scene, image,
+                               trial.record.prior_cam_from_target, renderer);
     };
     const Extraction one = look(1), two = look(2);
     EXPECT_GE(2 * found_in(two), found_in(one)) << i;

@@ -8,6 +8,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "eval/study/study_file.h"
 #include "pose/attitude.h"
 #include "scenes/files/input_error.h"
 #include "tests/scenes/error_text.h"

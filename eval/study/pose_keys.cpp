@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The keys that studies of images and numeric studies share: target and features, prior, solvers.
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "eval/study/study_keys.h"
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+constexpr const char* kAllFeatures = "all";
+
+void read_outlier_options(const TomlTable& table, OutlierOptions& options) {
+  options.probability = table.number("outlier_probability", {1e-9, 0.5}, options.probability);
+  options.scale_px = table.number("outlier_scale_px", {1e-3, 1e6}, options.scale_px);
+  options.false_alarm_rate =
+      table.number("false_alarm_rate", {1e-9, 0.5}, options.false_alarm_rate);
+  if (table.has("max_removed")) {
+    options.max_removed = static_cast<int>(table.integer("max_removed", {0, 10000}));
+  }
+}
+
+std::vector<PoseInput> read_inputs(const TomlTable& table) {
+  std::vector<std::string> known;
+  for (const PoseInput input : {PoseInput::kExact, PoseInput::kNoise, PoseInput::kInliers}) {
+    known.emplace_back(to_string(input));
+  }
+  std::set<size_t> chosen;  // in the order of their steps
+  for (const std::string& name : table.texts("inputs", std::vector<std::string>{})) {
+    if (!chosen.insert(index_of(name, known, table, "inputs")).second) {
+      table.fail("inputs", fmt::format("holds \"{}\" twice", name));
+    }
+  }
+  std::vector<PoseInput> inputs;
+  for (const size_t i : chosen) inputs.push_back(static_cast<PoseInput>(i));
+  return inputs;
+}
+
+// An array of names, or the word for all, which is meant without the key too.
+std::vector<std::string> read_feature_names(const TomlTable& table,
+                                            const std::vector<std::string>& known) {
+  if (!table.is_text("features")) return table.texts("features", known);
+  const std::string word = table.text("features");
+  if (word == kAllFeatures) return known;
+  table.fail("features", fmt::format("is \"{}\", must be \"{}\" or an array of names (known: {})",
+                                     word, kAllFeatures, fmt::join(known, ", ")));
+}
+
+}  // namespace
+
+size_t index_of(const std::string& name, const std::vector<std::string>& names,
+                const TomlTable& table, const char* key) {
+  const auto found = std::find(names.begin(), names.end(), name);
+  if (found == names.end()) {
+    table.fail(key, fmt::format("holds \"{}\"{}", name, suggestion(name, names)));
+  }
+  return static_cast<size_t>(found - names.begin());
+}
+
+PriorError read_prior(const TomlTable& table) {
+  return {.attitude_deg = table.number("attitude_deg", {0, 90}, 2.0),
+          .range_fraction = table.number("range_percent", {0, 20}, 1.0) / 100,
+          .lateral_px = table.number("lateral_px", {0, 1000}, 3.0)};
+}
+
+Solving read_solving(const TomlTable& table, const std::string& default_start) {
+  Solving solving;
+  const std::vector<std::string> known = names_of(pose_solvers());
+  std::set<std::string> seen;
+  for (const std::string& name : table.texts("solvers")) {
+    solving.solvers.push_back(&pose_solvers()[index_of(name, known, table, "solvers")]);
+    if (!seen.insert(name).second) {
+      table.fail("solvers", fmt::format("holds \"{}\" twice", name));
+    }
+  }
+  if (solving.solvers.empty()) table.fail("solvers", "is empty, must name at least one solver");
+
+  const TomlTable options = table.table("solver");
+  const std::vector<std::string> starts = {"prior", "free"};
+  solving.start =
+      options.choice("start", starts, default_start) == "prior" ? Start::kPrior : Start::kFree;
+  OrpeOptions& orpe = solving.options.orpe;
+  orpe.rho = options.number("rho", {1, 1e9}, orpe.rho);
+  const std::vector<std::string> finals = {"minimax", "least_squares"};
+  orpe.final = options.choice("final", finals, finals[0]) == finals[0]
+                   ? OrpeOptions::Final::kMinimax
+                   : OrpeOptions::Final::kLeastSquares;
+  read_outlier_options(options, solving.options.outliers);
+  solving.inputs = read_inputs(options);
+  return solving;
+}
+
+std::shared_ptr<const Target> read_target(const TomlTable& table) {
+  const std::string name = table.text("target");
+  try {
+    return load_target(name);
+  } catch (const InputError& error) {
+    table.fail("target", fmt::format("cannot be used: {}", error.what()));
+  }
+}
+
+std::vector<int> read_features(const TomlTable& table, Use use, const Target& target) {
+  std::vector<int> features;
+  const std::vector<std::string> known = names_of(target.features);
+  if (known.empty() && use == Use::kRendering && !table.has("features")) return {};
+  if (known.empty()) {
+    table.fail("target", fmt::format("'{}' has no features; a target.toml beside its mesh gives "
+                                     "it some",
+                                     target.name));
+  }
+  std::set<size_t> seen;
+  for (const std::string& name : read_feature_names(table, known)) {
+    const size_t index = index_of(name, known, table, "features");
+    if (!seen.insert(index).second) {
+      table.fail("features", fmt::format("holds \"{}\" twice", name));
+    }
+    features.push_back(static_cast<int>(index));
+  }
+  if (features.empty()) table.fail("features", "is empty, must name at least one");
+  return features;
+}
+
+}  // namespace sightline

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/study/study_file.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "eval/study/study_keys.h"
+#include "scenes/files/assets.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kMaxTrials = 10'000'000;
+
+// The file as run. The word for all features is written out as their names: a run says what it
+// looked for, whatever its target is given later.
+std::string text_as_run(const TomlTable& table, const Study& study) {
+  const PoseStudy* const of_target = study.pose_study();
+  if (of_target == nullptr || !table.is_text("features")) return table.to_toml();
+  const std::vector<std::string> names = names_of(of_target->target->features);
+  const std::vector<std::string> settings = {"features=" + nlohmann::json(names).dump()};
+  return TomlTable::read_text(table.to_toml(), table.file(), settings).to_toml();
+}
+
+std::vector<std::string> settings_of(const StudyOverrides& overrides) {
+  std::vector<std::string> settings = overrides.set;
+  if (overrides.trials) settings.push_back(fmt::format("trials={}", *overrides.trials));
+  if (overrides.seed) settings.push_back(fmt::format("seed={}", *overrides.seed));
+  return settings;
+}
+
+// The name becomes that of a folder.
+void require_file_name(const TomlTable& table, const std::string& name) {
+  const std::string allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+  if (name.empty() || name[0] == '.' || name.find_first_not_of(allowed) != std::string::npos) {
+    table.fail("name", fmt::format("is \"{}\", must be letters, digits, '-', '_' and '.'", name));
+  }
+}
+
+Study read_table(const TomlTable& table, const std::string& fallback_name, Use use) {
+  Study study;
+  const std::vector<std::string> kinds = {"images", "numeric", "orientation"};
+  const std::string kind = table.choice("kind", kinds, kinds[0]);
+  if (use == Use::kRendering && kind != kinds[0]) {
+    table.fail("kind", "is of a study that renders nothing");
+  }
+  study.name = table.text("name", fallback_name);
+  require_file_name(table, study.name);
+  study.title = table.text("title", study.name);
+  study.question = table.text("question", "");
+  study.reference = table.text("reference", "");
+  study.claim = table.text("claim", "");
+  study.seed = static_cast<uint64_t>(table.integer("seed", {0, 9e15}, 1));
+  study.draws = static_cast<int>(table.integer("trials", {1, kMaxTrials}, 100));
+  if (kind == "numeric") {
+    study.kind = read_numeric_study(table, study);
+  } else if (kind == "orientation") {
+    study.kind = read_orientation_study(table, study);
+  } else {
+    study.kind = read_image_study(table, use, study);
+  }
+  table.reject_unknown_keys();
+  study.toml = text_as_run(table, study);
+  return study;
+}
+
+Study read_file(const std::string& name_or_path, const StudyOverrides& overrides, Use use) {
+  const std::filesystem::path file = find_study_file(name_or_path);
+  std::vector<std::string> settings = settings_of(overrides);
+  const TomlTable as_written = TomlTable::read_file(file, settings);
+  // The study as run stands on its own: it says its name, and where what lies beside it is.
+  if (!as_written.has("name")) settings.push_back(fmt::format("name='{}'", file.stem().string()));
+  const auto place_beside = [&](const std::string& key, const std::filesystem::path& given) {
+    const std::filesystem::path beside = std::filesystem::absolute(file).parent_path() / given;
+    if (given.empty() || !given.is_relative() || !std::filesystem::exists(beside)) return;
+    settings.push_back(fmt::format("{}='{}'", key, beside.lexically_normal().string()));
+  };
+  const std::filesystem::path target = as_written.text("target", "");
+  if (target.has_extension()) place_beside("target", target);
+  for (const char* key : {"path", "priors"}) {
+    place_beside(fmt::format("dataset.{}", key), as_written.table("dataset").text(key, ""));
+  }
+  return read_table(TomlTable::read_file(file, settings), file.stem(), use);
+}
+
+}  // namespace
+
+Study read_study(const std::string& name_or_path, const StudyOverrides& overrides) {
+  return read_file(name_or_path, overrides, Use::kTrials);
+}
+
+Study read_scene(const std::string& name_or_path, const StudyOverrides& overrides) {
+  return read_file(name_or_path, overrides, Use::kRendering);
+}
+
+Study read_study_text(const std::string& toml, const std::filesystem::path& source,
+                      const StudyOverrides& overrides) {
+  return read_table(TomlTable::read_text(toml, source, settings_of(overrides)), source.stem(),
+                    Use::kTrials);
+}
+
+Study read_scene_text(const std::string& toml, const std::filesystem::path& source,
+                      const StudyOverrides& overrides) {
+  return read_table(TomlTable::read_text(toml, source, settings_of(overrides)), source.stem(),
+                    Use::kRendering);
+}
+
+}  // namespace sightline

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// [sweep]: keys that take several values, each combination of which is a condition of the study.
+#pragma once
+
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "eval/study/study.h"
+#include "scenes/files/toml_table.h"
+
+namespace sightline {
+
+/// One value of a swept key of an image study, as TOML writes it.
+struct SweptValue {
+  std::string key;
+  std::string literal;
+};
+
+/// One value of every swept key: what sets a cell apart.
+using SweptCell = std::vector<SweptValue>;
+
+/// The cells of [sweep] or of several [[sweep]], which follow each other; the last key's values run
+/// fastest. One cell without values where nothing is swept. Keys are of these tables alone.
+std::vector<SweptCell> read_sweeps(const TomlTable& study, const std::vector<std::string>& tables);
+
+/// The condition of each cell: the values, and a label in which words lead; empty where nothing is
+/// swept.
+std::vector<Condition> conditions_of(const std::vector<SweptCell>& cells);
+
+/// A quantity of a numeric or orientation study that is swept, or has one value.
+struct Axis {
+  std::vector<double> values;
+  bool is_swept = false;
+};
+
+/// Where the value of a quantity stands that is not swept.
+struct Place {
+  const TomlTable& table;
+  const char* name;  ///< of the table
+  const char* key;
+};
+
+Axis read_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed);
+
+/// An axis of whole numbers.
+Axis read_count_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed);
+
+/// One value of an axis: where it is swept it is part of its cell's condition.
+struct Coordinate {
+  const Axis& axis;
+  std::string key;    ///< in summary.json
+  std::string label;  ///< for readers
+  double value = 0;
+};
+
+Condition condition_at(std::span<const Coordinate> coordinates);
+
+}  // namespace sightline
