@@ -12,6 +12,9 @@
 
 namespace sightline {
 
+/// The grey levels within this distance of a line are what is fitted.
+inline constexpr double kBlurredBandPx = 3;
+
 /// The stretch of a line, px along its direction from its point.
 struct Stretch {
   double from_px;

@@ -89,33 +89,41 @@ bool is_within_search(const ExtractionInput& input, const Eigen::Vector2d& pixel
   return distance_px == 0 || distance_px <= search_half_px(input, off / distance_px);
 }
 
-Observation observe(const cv::Mat& image, const PredictedView& view,
-                    const FeaturePrediction& prediction, const FeatureExtractor& extractor,
-                    const ExtractorOptions& options, std::optional<double> background_grey) {
+// An observation that is decided before any extractor looks.
+Observation unseen(const FeaturePrediction& prediction, const cv::Rect& window,
+                   ObservationStatus why) {
   Observation observation;
   observation.feature = prediction.feature;
   observation.predicted_px = prediction.pixel;
-  if (prediction.is_in_front) {
-    observation.window = window_around(prediction.pixel, options.window_half_px, image.size());
-  }
-  if (observation.window.empty()) {
-    observation.status = ObservationStatus::kOutsideImage;
-  } else if (prediction.is_hidden) {
-    observation.status = ObservationStatus::kHidden;
-  } else {
-    observation.status = why_not_look(image(observation.window));
-    if (observation.status != ObservationStatus::kFound) return observation;
-    const ExtractionInput input{image, view, prediction, options, background_grey};
-    extractor.extract(input, observation);
-    if (options.is_gated && observation.status == ObservationStatus::kFound &&
-        !is_within_search(input, observation.pixel)) {
-      observation.status = ObservationStatus::kOutsideWindow;
-    }
+  observation.window = window;
+  observation.status = why;
+  return observation;
+}
+
+Observation observe(const cv::Mat& image, const PredictedView& view,
+                    const FeaturePrediction& prediction, const FeatureExtractor& extractor,
+                    const ExtractorOptions& options, std::optional<double> background_grey) {
+  const cv::Rect window =
+      prediction.is_in_front ? window_around(prediction.pixel, options.window_half_px, image.size())
+                             : cv::Rect();
+  if (window.empty()) return unseen(prediction, window, ObservationStatus::kOutsideImage);
+  if (prediction.is_hidden) return unseen(prediction, window, ObservationStatus::kHidden);
+  const ObservationStatus why_not = why_not_look(image(window));
+  if (why_not != ObservationStatus::kFound) return unseen(prediction, window, why_not);
+  const ExtractionInput input{image, view, prediction, options, window, background_grey};
+  Observation observation = extractor.extract(input);
+  if (options.is_gated && observation.status == ObservationStatus::kFound &&
+      !is_within_search(input, observation.pixel)) {
+    observation.status = ObservationStatus::kOutsideWindow;
   }
   return observation;
 }
 
 }  // namespace
+
+Observation nothing_found(const ExtractionInput& input) {
+  return unseen(input.prediction, input.window, ObservationStatus::kNoCorner);
+}
 
 double search_half_px(const ExtractionInput& input, const Eigen::Vector2d& direction) {
   const SearchOptions& options = input.options.search;

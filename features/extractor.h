@@ -71,12 +71,19 @@ struct ExtractionInput {
   const PredictedView& view;
   const FeaturePrediction& prediction;
   const ExtractorOptions& options;
+  /// Where to look: around the prediction, inside the image, not empty and not of one grey. An
+  /// extractor that looks elsewhere says so in its observation.
+  cv::Rect window;
   /// The median grey level around the target; none where the target fills the image.
   std::optional<double> background_grey;
 };
 
 /// Half the width of the search along a unit vector, px, as SearchOptions say.
 double search_half_px(const ExtractionInput& input, const Eigen::Vector2d& direction);
+
+/// What an extractor begins with: an observation of the feature asked for, in the window given,
+/// that has found nothing (kNoCorner).
+Observation nothing_found(const ExtractionInput& input);
 
 /// One way to find a feature in an image near its prediction. To add one: write
 /// features/extractors/<name>.cpp with one function of this signature, declare it in
@@ -85,9 +92,8 @@ struct FeatureExtractor {
   std::string_view name;
   std::string_view summary;
   bool needs_edges;  ///< finds line intersections alone; otherwise features of any kind
-  /// The observation's window lies inside the image and is not empty. Fills status, pixel,
-  /// covariance and evidence.
-  void (*extract)(const ExtractionInput& input, Observation& observation);
+  /// What it finds, with its covariance and the evidence; or the reason why it finds nothing.
+  Observation (*extract)(const ExtractionInput& input);
 
   bool finds(FeatureKind kind) const {
     return !needs_edges || kind == FeatureKind::kLineIntersection;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include <Eigen/Cholesky>
+#include "features/normal_equations.h"
 
 namespace sightline {
 namespace {
@@ -17,25 +17,20 @@ constexpr double kMinBlurPx = 0.25;
 constexpr double kTurnSdRad = 0.06;  // of the target against the given pose
 constexpr double kLeastNoiseGrey = 0.5;
 constexpr int kMaxIterations = 12;
-constexpr double kNearPx = 0.2;        // the last step of some of the pixels,
-constexpr double kConvergedPx = 0.05;  // of all
-constexpr double kNegligible = 0.01;   // of a standard deviation, squared
-constexpr int kHopeIterations = 4;     // after so many the residuals are down to
-constexpr double kHopeNoises = 4;      // so many times the noise and
-constexpr double kHopeGrey = 4;        // so many grey levels, or the fit leads nowhere
+// The longest step with which a fit ends: of some of the pixels, and of all.
+constexpr double kNearPx = 0.2;
+constexpr double kConvergedPx = 0.05;
+constexpr double kNegligible = 0.01;  // a step that ends a fit, in standard deviations, squared
+// After four iterations the residuals are down to four times the noise and four grey levels, or the
+// fit leads nowhere: an upper estimate of what a fit that succeeds has by then.
+constexpr int kHopeIterations = 4;
+constexpr double kHopeNoises = 4;
+constexpr double kHopeGrey = 4;
 constexpr size_t kFewestPixels = 40;
 
-using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMost, kMost>;
-
-struct Normal {
-  Matrix information;
-  FacetVector gradient;
-  double squares = 0;
-};
-
 // J^T J, J^T r and r^T r of grey minus model.
-Normal normal_equations(const FacetView& view, const std::vector<PatchPixel>& pixels,
-                        const FacetVector& x) {
+NormalEquations normal_equations(const FacetView& view, const std::vector<PatchPixel>& pixels,
+                                 const FacetVector& x) {
   const int n = static_cast<int>(x.size());
   const int width = (n + 1) / 2 * 2;
   double information[kMost][kMost] = {};  // from the diagonal on
@@ -52,7 +47,7 @@ Normal normal_equations(const FacetView& view, const std::vector<PatchPixel>& pi
     for (int i = 0; i < width; ++i) gradient[i] += residual * row[i];
     squares += residual * residual;
   }
-  Normal sums{Matrix(n, n), FacetVector(n), squares};
+  NormalEquations sums{SmallMatrix(n, n), FacetVector(n), squares};
   for (int i = 0; i < n; ++i) {
     sums.gradient[i] = gradient[i];
     for (int k = 0; k < n; ++k)
@@ -79,12 +74,12 @@ struct State {
   Pose cam_from_target;
   FacetView view;
   FacetVector x;
-  Normal sums;  // with what is known of the turn beforehand
+  NormalEquations sums;  // with what is known of the turn beforehand
 };
 
-Normal sums_at(const FacetPatch& patch, const FacetView& view,
-               const std::vector<PatchPixel>& pixels, const FacetVector& x) {
-  Normal sums = normal_equations(view, pixels, x);
+NormalEquations sums_at(const FacetPatch& patch, const FacetView& view,
+                        const std::vector<PatchPixel>& pixels, const FacetVector& x) {
+  NormalEquations sums = normal_equations(view, pixels, x);
   const double noise_grey = std::max(patch.noise_sd_grey, kLeastNoiseGrey);
   const double known = noise_grey * noise_grey / (kTurnSdRad * kTurnSdRad);
   sums.information.diagonal().segment<3>(kTurn).array() += known;
@@ -114,11 +109,11 @@ std::optional<Beginning> begun(const FacetPatch& patch, const Pose& cam_from_tar
   Beginning out{cam_from_target, *view, std::move(pixels), std::move(some), {}, 0};
   out.x = FacetVector::Zero(kGreys + view->greys());
   out.x[kBlur] = FacetView::kUsualBlurPx;
-  const Normal sums = normal_equations(*view, out.some, out.x);
-  Matrix information = sums.information.bottomRightCorner(view->greys(), view->greys());
+  const NormalEquations sums = normal_equations(*view, out.some, out.x);
+  SmallMatrix information = sums.information.bottomRightCorner(view->greys(), view->greys());
   information.diagonal().array() += 1e-3;  // for a facet without pixels
   const FacetVector gradient = sums.gradient.tail(view->greys());
-  const FacetVector greys = information.ldlt().solve(gradient);
+  const FacetVector greys = solved(information, gradient);
   out.x.tail(view->greys()) = greys;
   double sum = 0;
   for (const PatchPixel& pixel : out.some) sum += pixel.grey;
@@ -155,10 +150,7 @@ bool minimise(const FacetPatch& patch, const std::vector<PatchPixel>& pixels, do
         rms_grey(state, pixels.size()) > kHopeNoises * patch.noise_sd_grey + kHopeGrey) {
       return false;
     }
-    Matrix damped = state.sums.information;
-    damped.diagonal() *= 1 + damping;
-    damped.diagonal().array() += 1e-9;
-    const FacetVector step = damped.ldlt().solve(state.sums.gradient);
+    const FacetVector step = damped_step(state.sums, damping);
     const double moved_px = step.head<2>().norm() + step.segment<3>(kTurn).norm() * patch.reach_px;
     // In standard deviations of what is changed, squared.
     const double squares = step.dot(state.sums.gradient) / (noise_grey * noise_grey);
@@ -188,8 +180,7 @@ std::optional<FacetFit> fit_from(const FacetPatch& patch, const Beginning& begin
   fit.pixel = state.view.pixel();
   fit.rms_grey = rms_grey(state, pixels.size());
   const double sd = std::max(patch.noise_sd_grey, fit.rms_grey);
-  const Eigen::Index n = state.x.size();
-  const Matrix covariance = sd * sd * state.sums.information.ldlt().solve(Matrix::Identity(n, n));
+  const SmallMatrix covariance = sd * sd * inverse_of(state.sums.information);
   const Eigen::Matrix2d& lens = state.view.lens();
   fit.covariance_px2 = lens * covariance.topLeftCorner<2, 2>() * lens.transpose();
   if (!fit.covariance_px2.allFinite() || !(fit.covariance_px2.diagonal().minCoeff() > 0)) {

@@ -78,6 +78,21 @@ BorderStretch stretch_between(const ImagePoint& begin, const ImagePoint& end) {
   return stretch;
 }
 
+double distance_px(const BorderStretch& stretch, const Eigen::Vector2d& pixel) {
+  const double nearest =
+      std::clamp((pixel - stretch.begin).dot(stretch.direction), 0.0, stretch.length_px);
+  return (stretch.begin + nearest * stretch.direction - pixel).norm();
+}
+
+// True where no ray that leaves a pixel of the box along its row meets the stretch: then it does
+// not say whether the pixel is inside a facet.
+bool is_never_met(const BorderStretch& stretch, const Eigen::AlignedBox2d& box) {
+  const Eigen::Vector2d end = stretch.begin + stretch.length_px * stretch.direction;
+  return std::max(stretch.begin.y(), end.y()) < box.min().y() ||
+         std::min(stretch.begin.y(), end.y()) > box.max().y() ||
+         std::max(stretch.begin.x(), end.x()) < box.min().x();
+}
+
 // What of the row the blur across one stretch adds.
 void add_blur(const BorderStretch& stretch, double d_px, double along_px, const FacetVector& x,
               FacetRow& row) {
@@ -164,10 +179,7 @@ std::optional<FacetView> FacetView::of(const FacetPatch& patch, const Pose& cam_
     const auto end = camera.at(edge.end_m);
     if (!begin || !end) return std::nullopt;
     BorderStretch stretch = stretch_between(*begin, *end);
-    const double nearest =
-        std::clamp((view.pixel_ - stretch.begin).dot(stretch.direction), 0.0, stretch.length_px);
-    const Eigen::Vector2d off = stretch.begin + nearest * stretch.direction - view.pixel_;
-    stretch.is_near = off.norm() < reach_px;
+    stretch.is_near = distance_px(stretch, view.pixel_) < reach_px;
     for (const int facet : edge.facet) box[facet].extend(begin->pixel).extend(end->pixel);
     view.stretches_.push_back(stretch);
     sides.push_back(edge.facet);
@@ -187,13 +199,7 @@ std::optional<FacetView> FacetView::of(const FacetPatch& patch, const Pose& cam_
     view.stretches_[i].right = grey_of[sides[i][1]];
   }
   std::erase_if(view.stretches_, [&](const BorderStretch& stretch) {
-    if (stretch.left == stretch.right) return true;
-    if (stretch.is_near) return false;
-    // No ray to the right of a pixel meets it.
-    const Eigen::Vector2d end = stretch.begin + stretch.length_px * stretch.direction;
-    return std::max(stretch.begin.y(), end.y()) < around.min().y() ||
-           std::min(stretch.begin.y(), end.y()) > around.max().y() ||
-           std::max(stretch.begin.x(), end.x()) < around.min().x();
+    return stretch.left == stretch.right || (!stretch.is_near && is_never_met(stretch, around));
   });
   return view;
 }

@@ -18,6 +18,7 @@
 #include <Eigen/Core>
 #include <opencv2/core/mat.hpp>
 
+#include "features/normal_equations.h"
 #include "pose/camera.h"
 #include "pose/pose.h"
 #include "scenes/target/facets.h"
@@ -46,7 +47,8 @@ inline constexpr int kMostSeen = 7;
 inline constexpr int kMost = kGreys + 1 + kMostSeen;
 }  // namespace facet_parameter
 
-using FacetVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, facet_parameter::kMost, 1>;
+using FacetVector = SmallVector;
+static_assert(facet_parameter::kMost <= kMostUnknowns);
 /// The derivatives of a pixel's grey by all parameters; those by the greys are their shares of it.
 using FacetRow = std::array<double, facet_parameter::kMost>;
 

@@ -15,10 +15,9 @@ namespace sightline {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSmoothingSigmaPx = 1.0;     // before Canny
-constexpr double kHoughDistancePx = 1.5;      // of an edge pixel from the Hough line it votes for
-constexpr double kRefitDistancePx = 1.0;      // of an edge pixel from the fitted line
-constexpr double kEdgeQuantisationPx = 0.29;  // 1/sqrt(12): Canny gives whole pixels
+constexpr double kSmoothingSigmaPx = 1.0;  // before Canny
+constexpr double kHoughDistancePx = 1.5;   // of an edge pixel from the Hough line it votes for
+constexpr double kRefitDistancePx = 1.0;   // of an edge pixel from the fitted line
 
 cv::Mat canny_edges(const cv::Mat& image, const cv::Rect& window, const LineOptions& options) {
   // Smooth with a border of the image around the window, so that its rim makes no edges.
@@ -43,12 +42,11 @@ std::vector<Eigen::Vector2d> pixels_of(const cv::Mat& edges, const cv::Rect& win
 }
 
 // Lines with enough votes, most votes first, in image coordinates.
-std::vector<HoughTransform::Line> hough_lines(const cv::Mat& edges, const cv::Rect& window,
-                                              int min_votes) {
+std::vector<HoughLine> hough_lines(const cv::Mat& edges, const cv::Rect& window, int min_votes) {
   std::vector<cv::Vec2f> found;
   cv::HoughLines(edges, found, /*rho=*/1, /*theta=*/kDegree, min_votes);
   const Eigen::Vector2d origin(window.x, window.y);
-  std::vector<HoughTransform::Line> lines;
+  std::vector<HoughLine> lines;
   for (const cv::Vec2f& line : found) {
     const Eigen::Vector2d normal(std::cos(line[1]), std::sin(line[1]));
     lines.push_back({line[0] + normal.dot(origin), normal});
@@ -57,7 +55,7 @@ std::vector<HoughTransform::Line> hough_lines(const cv::Mat& edges, const cv::Re
 }
 
 // The edge pixels that agree with a Hough line, then with the line fitted to them.
-std::optional<ImageLine> fitted(const HoughTransform::Line& line,
+std::optional<ImageLine> fitted(const HoughLine& line,
                                 const std::vector<Eigen::Vector2d>& edge_pixels,
                                 const LineOptions& options) {
   const Eigen::Vector2d on_line = line.distance_px * line.normal;
@@ -70,7 +68,7 @@ std::optional<ImageLine> fitted(const HoughTransform::Line& line,
   return fit_line(std::move(agreeing), kEdgeQuantisationPx);
 }
 
-bool is_candidate(const HoughTransform::Line& line, const Eigen::Vector2d& direction,
+bool is_candidate(const HoughLine& line, const Eigen::Vector2d& direction,
                   const ExtractionInput& input, const LineOptions& options) {
   const double max_sine = std::sin(options.direction_tolerance_deg * kDegree);
   if (std::abs(line.normal.dot(direction)) > max_sine) return false;
@@ -101,7 +99,7 @@ std::vector<ImageLine> lines_along(const Eigen::Vector2d& direction, const Hough
                                    const ExtractionInput& input, const LineOptions& options,
                                    size_t most) {
   std::vector<ImageLine> found;
-  for (const HoughTransform::Line& line : hough.lines) {
+  for (const HoughLine& line : hough.lines) {
     if (!is_candidate(line, direction, input, options)) continue;
     auto fit = fitted(line, hough.edge_pixels, options);
     if (!fit && found.empty()) return found;

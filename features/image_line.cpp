@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 namespace sightline {
+
 bool contains(const cv::Rect& window, const Eigen::Vector2d& pixel) {
   return pixel.x() >= window.x - 0.5 && pixel.y() >= window.y - 0.5 &&
          pixel.x() <= window.br().x - 0.5 && pixel.y() <= window.br().y - 0.5;
@@ -83,19 +86,21 @@ std::optional<Meeting> meeting_of(std::span<const ImageLine> lines, double min_a
   return meeting;
 }
 
-void meet(double min_angle_deg, Observation& observation) {
+Observation found_at_meeting(Observation observation, std::vector<ImageLine> lines,
+                             double min_angle_deg) {
+  observation.lines = std::move(lines);
   if (observation.lines.size() < 2) {
     observation.status = ObservationStatus::kTooFewEdgePixels;
-    return;
+    return observation;
   }
   const auto meeting = meeting_of(observation.lines, min_angle_deg);
   if (!meeting) {
     observation.status = ObservationStatus::kParallelLines;
-    return;
+    return observation;
   }
   if (!contains(observation.window, meeting->pixel)) {
     observation.status = ObservationStatus::kOutsideWindow;
-    return;
+    return observation;
   }
   // Lines that miss each other by more than their sigmas err by more (Birge, Phys. Rev. 40, 1932).
   const double to_spare = static_cast<double>(observation.lines.size()) - 2;
@@ -103,6 +108,13 @@ void meet(double min_angle_deg, Observation& observation) {
   observation.status = ObservationStatus::kFound;
   observation.pixel = meeting->pixel;
   observation.covariance_px2 = excess * meeting->covariance_px2;
+  return observation;
+}
+
+double weakest_contrast_grey(std::span<const ImageLine> lines) {
+  double weakest = std::numeric_limits<double>::infinity();
+  for (const ImageLine& line : lines) weakest = std::min(weakest, line.contrast_grey);
+  return weakest;
 }
 
 }  // namespace sightline

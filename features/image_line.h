@@ -1,8 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Straight lines in an image and where two of them meet: what the extractors of line intersections
-// share.
+// Straight lines in an image and where they meet: what the extractors of line intersections share.
 #pragma once
 
 #include <optional>
@@ -41,8 +40,13 @@ struct Meeting {
 /// none where no two of them are `min_angle_deg` apart.
 std::optional<Meeting> meeting_of(std::span<const ImageLine> lines, double min_angle_deg);
 
-/// Sets the observation to where its lines meet, with the covariance that theirs give; or says
-/// why they do not: fewer than two, less than `min_angle_deg` apart, or meeting outside the window.
-void meet(double min_angle_deg, Observation& observation);
+/// The observation with these lines as its own, found where they meet and with the covariance that
+/// theirs give. Where they do not meet its status says why: fewer than two lines, no two of them
+/// `min_angle_deg` apart, or the meeting outside the observation's window.
+Observation found_at_meeting(Observation observation, std::vector<ImageLine> lines,
+                             double min_angle_deg);
+
+/// The least of the lines' contrasts, grey levels; infinite where there are none.
+double weakest_contrast_grey(std::span<const ImageLine> lines);
 
 }  // namespace sightline

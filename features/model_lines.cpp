@@ -3,45 +3,40 @@
 #include "features/model_lines.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
-
-#include <Eigen/LU>
+#include <span>
+#include <utility>
 
 #include "features/blurred_edge.h"
+#include "features/edge_run.h"
 #include "features/image_line.h"
 #include "features/outline_search.h"
+#include "features/peak_fit.h"
 
 namespace sightline {
 namespace {
 
 constexpr double kGapPx = 2.5;  // kept off an edge's ends, where the next edge bends the gradient
-constexpr double kMinSupport = 0.4;  // of the samples must have a peak on the line
 constexpr size_t kFewestSamples = 4;
-constexpr std::array kRoundsPx = {1.8, 1.3, 1.0, 0.8};  // of a peak from the line, round by round
-// Neighbouring samples share what smoothing and blur spread: so many are worth one.
-constexpr double kSamplesOfOne = 3;
-constexpr double kLeastScatterPx = 0.05;
-constexpr double kOtherPartPx = 0.8;  // more sigma for an edge against another part of the target
-
 constexpr size_t kMostEdges = 5;       // of a feature: all combinations of their lines are tried
 constexpr int kMostLines = 3;          // that an edge may have
-constexpr double kMostSquares = 9;     // of lines that agree on a point
-constexpr double kSlackPx2 = 0.25;     // of lines that are to agree
-constexpr size_t kMostAgreements = 4;  // that are looked at
 constexpr double kFarReachPx = 80;     // of what is fitted to the grey levels
 constexpr size_t kEnoughSamples = 15;  // with fewer, an edge is looked at farther away
 
-struct SamplePeaks {
-  double along_px;
-  EdgePeaks peaks;
+// What of the image there is along a predicted edge.
+struct EdgeProfile {
+  double pivot_px;            // the middle of the samples, along the edge
+  std::vector<double> at_px;  // of each sample, along the edge from the pivot
+  std::vector<EdgePeaks> peaks;
 };
 
-// offset + slope (along - pivot), against the prediction.
-struct Line {
+// A line against the predicted edge: at a distance along the edge from the pivot it lies
+// offset + slope * distance off it, along the edge's normal.
+struct EdgeOffset {
   double offset_px = 0;
   double slope = 0;
+
+  double at(double at_px) const { return offset_px + slope * at_px; }
 };
 
 std::vector<OutlineSample> samples_of(const PredictedEdge& edge) {
@@ -56,21 +51,20 @@ std::vector<OutlineSample> samples_of(const PredictedEdge& edge) {
 }
 
 // The line with the most votes, counted in cells of half a pixel and their neighbours.
-Line voted(const std::vector<SamplePeaks>& samples, double pivot_px, double half_px,
-           double max_slope) {
+EdgeOffset voted(const EdgeProfile& profile, double half_px, double max_slope) {
   constexpr double kCellPx = 0.5;
   constexpr int kSlopes = 6;  // to either side
   const int half_cells = static_cast<int>(std::ceil(half_px / kCellPx)) + 1;
   const int cells = 2 * half_cells + 1;
   std::vector<float> votes(cells);
-  Line best;
+  EdgeOffset best;
   float most = 0;
   for (int i = -kSlopes; i <= kSlopes; ++i) {
     const double slope = max_slope * i / kSlopes;
     std::fill(votes.begin(), votes.end(), 0.F);
-    for (const SamplePeaks& sample : samples) {
-      for (const EdgePeak& peak : sample.peaks) {
-        const double offset_px = peak.offset_px - slope * (sample.along_px - pivot_px);
+    for (size_t sample = 0; sample < profile.peaks.size(); ++sample) {
+      for (const EdgePeak& peak : profile.peaks[sample]) {
+        const double offset_px = peak.offset_px - slope * profile.at_px[sample];
         const int cell = half_cells + static_cast<int>(std::lround(offset_px / kCellPx));
         if (cell >= 0 && cell < cells) votes[cell] += 1;
       }
@@ -87,73 +81,75 @@ Line voted(const std::vector<SamplePeaks>& samples, double pivot_px, double half
   return best;
 }
 
-struct FittedLine {
-  Line line;
-  double rms_px = 0;
-  Eigen::Matrix2d covariance;
-  std::vector<std::pair<double, double>> points;  // along, offset
-  double gradient = 0;                            // mean height of the peaks
-};
+// A line along a predicted edge as a model of where the edge's peaks lie. Its slope is known
+// beforehand to a standard deviation.
+class EdgeLineModel : public PeakModel {
+ public:
+  EdgeLineModel(const EdgeProfile& profile, const EdgeOffset& start, double slope_sd)
+      : at_px_(profile.at_px), known_slope_(known_beforehand(slope_sd)), line_(start) {}
 
-std::optional<FittedLine> fitted(const std::vector<SamplePeaks>& samples, double pivot_px,
-                                 Line line, double max_slope) {
-  FittedLine fit;
-  const double slope_sd = max_slope / 2;
-  for (const double round_px : kRoundsPx) {
-    fit.points.clear();
-    fit.gradient = 0;
-    double n = 0, st = 0, stt = 0, so = 0, sto = 0;
-    for (const SamplePeaks& sample : samples) {
-      const double t = sample.along_px - pivot_px;
-      const double expected_px = line.offset_px + line.slope * t;
-      const EdgePeak* nearest = nullptr;
-      double nearest_px = round_px;
-      for (const EdgePeak& peak : sample.peaks) {
-        const double distance_px = std::abs(peak.offset_px - expected_px);
-        if (distance_px > nearest_px) continue;
-        nearest_px = distance_px;
-        nearest = &peak;
-      }
-      if (nearest == nullptr) continue;
-      fit.points.emplace_back(t, nearest->offset_px);
-      fit.gradient += std::abs(nearest->gradient);
-      n += 1;
+  double expected_px(size_t sample) const override { return line_.at(at_px_[sample]); }
+
+  bool move_to(const std::vector<ChosenPeak>& peaks) override {
+    const double n = static_cast<double>(peaks.size());
+    double st = 0, stt = 0, so = 0, sto = 0;
+    for (const ChosenPeak& chosen : peaks) {
+      const double t = at_px_[chosen.sample];
       st += t;
       stt += t * t;
-      so += nearest->offset_px;
-      sto += t * nearest->offset_px;
+      so += chosen.peak.offset_px;
+      sto += t * chosen.peak.offset_px;
     }
-    if (n < kFewestSamples || n < kMinSupport * static_cast<double>(samples.size())) {
-      return std::nullopt;
-    }
-    // The slope is known beforehand to slope_sd; a point to about a fifth of a pixel, three of them
-    // worth one.
-    constexpr double kPointPx = 0.2;
-    const double known = kSamplesOfOne * kPointPx * kPointPx / (slope_sd * slope_sd);
-    const double determinant = n * (stt + known) - st * st;
-    line.slope = (n * sto - st * so) / determinant;
-    line.offset_px = (so - line.slope * st) / n;
-    fit.line = line;
-    fit.covariance << (stt + known) / determinant, -st / determinant, -st / determinant,
+    const double determinant = n * (stt + known_slope_) - st * st;
+    line_.slope = (n * sto - st * so) / determinant;
+    line_.offset_px = (so - line_.slope * st) / n;
+    covariance_ << (stt + known_slope_) / determinant, -st / determinant, -st / determinant,
         n / determinant;
+    return true;
   }
+
+  const EdgeOffset& line() const { return line_; }
+
+  /// Of offset and slope, for peaks of variance 1.
+  const Eigen::Matrix2d& unit_covariance() const { return covariance_; }
+
+ private:
+  const std::vector<double>& at_px_;
+  double known_slope_;
+  EdgeOffset line_;
+  Eigen::Matrix2d covariance_ = Eigen::Matrix2d::Zero();
+};
+
+struct FittedLine {
+  EdgeOffset line;
+  double rms_px;
+  Eigen::Matrix2d covariance;  // of offset and slope
+  std::vector<ChosenPeak> peaks;
+};
+
+std::optional<FittedLine> fitted(const EdgeProfile& profile, const EdgeOffset& start,
+                                 double max_slope) {
+  EdgeLineModel model(profile, start, max_slope / 2);
+  auto peaks = fit_to_peaks(profile.peaks, kFewestSamples, model);
+  if (!peaks) return std::nullopt;
+  const EdgeOffset line = model.line();
+  if (std::abs(line.slope) > 1.5 * max_slope) return std::nullopt;
   double squares = 0;
-  for (const auto& [t, offset_px] : fit.points) {
-    const double residual = offset_px - line.offset_px - line.slope * t;
+  for (const ChosenPeak& chosen : *peaks) {
+    const double residual =
+        chosen.peak.offset_px - line.offset_px - line.slope * profile.at_px[chosen.sample];
     squares += residual * residual;
   }
-  const double n = static_cast<double>(fit.points.size());
-  fit.gradient /= n;
-  fit.rms_px = std::sqrt(squares / n);
-  const double sd = std::max(fit.rms_px, kLeastScatterPx);
-  fit.covariance *= kSamplesOfOne * sd * sd;
-  if (std::abs(line.slope) > 1.5 * max_slope) return std::nullopt;
-  return fit;
+  const double rms_px = std::sqrt(squares / static_cast<double>(peaks->size()));
+  const double sd_px = std::max(rms_px, kLeastScatterPx);
+  return FittedLine{line, rms_px, model.unit_covariance() * (kSamplesOfOne * sd_px * sd_px),
+                    std::move(*peaks)};
 }
 
-// What the fit does not know of, measured on airliners under many lights. Shading across a rounded
-// edge moves its image: inwards and by more the darker its limb, against a darker background; less
-// against a brighter one.
+// The standard deviation, px, of what the fit does not know of; it is added to the fit's own.
+// Shading across a rounded edge moves its image: inwards and by more the darker its limb, against a
+// darker background; less against a brighter one. Upper estimates, measured on airliners under many
+// lights, of the errors that the fit's own sigma leaves unexplained, by the edge's contrast.
 double floor_px(bool is_soft, double contrast_grey, int polarity) {
   constexpr double kMostPx = 1.5;
   if (!is_soft) return std::min(kMostPx, std::hypot(0.012, 1.7 / contrast_grey));
@@ -162,6 +158,10 @@ double floor_px(bool is_soft, double contrast_grey, int polarity) {
   if (polarity > 0) return std::min(kMostPx, against_bright);
   return std::min(kMostPx, against_dark);
 }
+
+// So much more is the standard deviation of an edge against another part of the target: an upper
+// estimate, since the other part's own edges are near and may be taken for it.
+constexpr double kOtherPartPx = 0.8;
 
 // True where mostly another part of the target is behind the outline, whose own edges are near.
 bool borders_other_part(const PredictedEdge& edge) {
@@ -176,13 +176,14 @@ double floor_px(const ExtractionInput& input, const PredictedEdge& edge, double 
          (borders_other_part(edge) ? kOtherPartPx : 0);
 }
 
-ImageLine image_line(const ExtractionInput& input, const PredictedEdge& edge, const FittedLine& fit,
-                     double pivot_px, int polarity) {
+// The line in the image, with the floor of its sigma and the peaks it lies on.
+ImageLine image_line(const ExtractionInput& input, const PredictedEdge& edge,
+                     const EdgeProfile& profile, const FittedLine& fit, int polarity) {
   ImageLine line;
-  line.point = edge.begin + pivot_px * edge.direction + fit.line.offset_px * edge.normal;
+  line.point = edge.begin + profile.pivot_px * edge.direction + fit.line.offset_px * edge.normal;
   line.direction = (edge.direction + fit.line.slope * edge.normal).normalized();
   line.rms_px = fit.rms_px;
-  line.contrast_grey = fit.gradient / kGradientOfUnitEdge;
+  line.contrast_grey = mean_contrast_grey(fit.peaks);
   line.covariance = fit.covariance;
   const double floor = floor_px(input, edge, line.contrast_grey, polarity);
   line.covariance(0, 0) += floor * floor;
@@ -190,24 +191,25 @@ ImageLine image_line(const ExtractionInput& input, const PredictedEdge& edge, co
   const bool is_turned =
       edge.normal.dot(Eigen::Vector2d(-edge.direction.y(), edge.direction.x())) < 0;
   if (is_turned) line.covariance(0, 1) = line.covariance(1, 0) = -line.covariance(0, 1);
-  for (const auto& [t, offset_px] : fit.points) {
-    line.edge_pixels.push_back(edge.begin + (pivot_px + t) * edge.direction +
-                               offset_px * edge.normal);
+  for (const ChosenPeak& chosen : fit.peaks) {
+    const double along_px = profile.pivot_px + profile.at_px[chosen.sample];
+    line.edge_pixels.push_back(edge.begin + along_px * edge.direction +
+                               chosen.peak.offset_px * edge.normal);
   }
   return line;
 }
 
-// Leaves the peaks that are not on a line.
-void take_away(const Line& line, double pivot_px, std::vector<SamplePeaks>& samples) {
+// The profile without the peaks that are on a line.
+EdgeProfile without(const EdgeOffset& line, EdgeProfile profile) {
   constexpr double kOnLinePx = 1.5;
-  for (SamplePeaks& sample : samples) {
+  for (size_t i = 0; i < profile.peaks.size(); ++i) {
     EdgePeaks left;
-    for (const EdgePeak& peak : sample.peaks) {
-      const double expected_px = line.offset_px + line.slope * (sample.along_px - pivot_px);
-      if (std::abs(peak.offset_px - expected_px) > kOnLinePx) left.add(peak);
+    for (const EdgePeak& peak : profile.peaks[i]) {
+      if (std::abs(peak.offset_px - line.at(profile.at_px[i])) > kOnLinePx) left.add(peak);
     }
-    sample.peaks = left;
+    profile.peaks[i] = left;
   }
+  return profile;
 }
 
 // An edge as predicted, and where its samples are.
@@ -242,124 +244,84 @@ std::vector<SearchedEdge> searched_edges(const ExtractionInput& input) {
   return edges;
 }
 
-// The lines along a predicted edge, best first.
+EdgeProfile profile_of(const ExtractionInput& input, const GradientWindow& gradients,
+                       const SearchedEdge& searched, int polarity) {
+  const PredictedEdge& edge = searched.edge;
+  const double half_px = search_half_px(input, edge.normal);
+  const double threshold = gradient_threshold(input.options.search);
+  EdgeProfile profile;
+  profile.pivot_px = (edge.samples.front().along_px + edge.samples.back().along_px) / 2;
+  profile.at_px.reserve(searched.samples.size());
+  profile.peaks.reserve(searched.samples.size());
+  for (size_t i = 0; i < searched.samples.size(); ++i) {
+    const OutlineSample& sample = searched.samples[i];
+    profile.at_px.push_back(edge.samples[i].along_px - profile.pivot_px);
+    profile.peaks.push_back(find_peaks(gradients, sample.pixel, edge.normal, half_px,
+                                       sample.borders_target ? 0 : polarity, threshold));
+  }
+  return profile;
+}
+
+// The lines along a predicted edge, best first: each is fitted to what the ones before it leave.
 std::vector<FoundLine> find_lines(const ExtractionInput& input, const GradientWindow& gradients,
                                   const SearchedEdge& searched, int polarity) {
   const SearchOptions& options = input.options.search;
-  const PredictedEdge& edge = searched.edge;
-  const double half_px = search_half_px(input, edge.normal);
-  const double threshold = gradient_threshold(options);
-  std::vector<SamplePeaks> peaks;
-  peaks.reserve(searched.samples.size());
-  for (size_t i = 0; i < searched.samples.size(); ++i) {
-    const OutlineSample& sample = searched.samples[i];
-    peaks.push_back(
-        {edge.samples[i].along_px, find_peaks(gradients, sample.pixel, edge.normal, half_px,
-                                              sample.borders_target ? 0 : polarity, threshold)});
-  }
-  const double pivot_px = (edge.samples.front().along_px + edge.samples.back().along_px) / 2;
+  const double half_px = search_half_px(input, searched.edge.normal);
   const double max_slope = is_prior_good(input) ? options.good_max_slope : options.max_slope;
+  EdgeProfile profile = profile_of(input, gradients, searched, polarity);
   std::vector<FoundLine> lines;
   for (int i = 0; i < kMostLines; ++i) {
-    const Line start = voted(peaks, pivot_px, half_px, max_slope);
-    const auto fit = fitted(peaks, pivot_px, start, max_slope);
+    const auto fit = fitted(profile, voted(profile, half_px, max_slope), max_slope);
     if (!fit) break;
     const double support =
-        static_cast<double>(fit->points.size()) / static_cast<double>(peaks.size());
-    lines.push_back({searched.index, support, image_line(input, edge, *fit, pivot_px, polarity)});
-    take_away(fit->line, pivot_px, peaks);
+        static_cast<double>(fit->peaks.size()) / static_cast<double>(profile.peaks.size());
+    lines.push_back(
+        {searched.index, support, image_line(input, searched.edge, profile, *fit, polarity)});
+    profile = without(fit->line, std::move(profile));
   }
   return lines;
 }
 
-// Without the evidence, and with what lines near a corner that is not yet known may err.
-std::vector<std::vector<ImageLine>> with_slack(
-    const std::vector<std::vector<FoundLine>>& lines_of) {
-  std::vector<std::vector<ImageLine>> slack;
+// The lines without their evidence, and with a slack added to the variance of their offsets.
+std::vector<std::vector<ImageLine>> with_slack(const std::vector<std::vector<FoundLine>>& lines_of,
+                                               double slack_px2) {
+  std::vector<std::vector<ImageLine>> slack_lines;
   for (const auto& candidates : lines_of) {
-    slack.emplace_back();
+    slack_lines.emplace_back();
     for (const FoundLine& found : candidates) {
       ImageLine line;
       line.point = found.line.point;
       line.direction = found.line.direction;
       line.covariance = found.line.covariance;
-      line.covariance(0, 0) += kSlackPx2;
-      slack.back().push_back(std::move(line));
+      line.covariance(0, 0) += slack_px2;
+      slack_lines.back().push_back(std::move(line));
     }
   }
-  return slack;
+  return slack_lines;
 }
 
 // All ways in which two or more lines agree on a point in the window, best first, of those on
 // nearly the same point only the best.
-std::vector<Agreement> agreements(const ExtractionInput& input,
-                                  const std::vector<std::vector<FoundLine>>& lines_of,
-                                  const cv::Rect& window) {
-  constexpr double kPriorWeight = 0.03;
-  constexpr double kSamePx = 1;
-  const Eigen::Matrix2d prior_information =
-      (input.prediction.covariance_px2 + kSlackPx2 * Eigen::Matrix2d::Identity()).inverse();
-  const std::vector<std::vector<ImageLine>> slack_lines = with_slack(lines_of);
-  size_t combinations = 1;
-  for (const auto& candidates : lines_of) combinations *= candidates.size() + 1;
-  struct Choice {
-    size_t combination;
-    Eigen::Vector2d pixel;
-    double value;
+std::vector<Agreement> agreements_of(const ExtractionInput& input,
+                                     const std::vector<std::vector<FoundLine>>& lines_of,
+                                     const cv::Rect& window) {
+  // What a line may err, and the prediction, near a corner that is not yet known.
+  constexpr double kSlackPx2 = 0.25;
+  const std::vector<std::vector<ImageLine>> slack_lines = with_slack(lines_of, kSlackPx2);
+  std::vector<size_t> lines_of_edge;
+  for (const std::vector<FoundLine>& lines : lines_of) lines_of_edge.push_back(lines.size());
+  AgreementRules rules;
+  rules.prior_information = prior_information(input.prediction, kSlackPx2);
+  rules.same_px = 1;
+  rules.meeting = [&](std::span<const LinePick> picks) {
+    std::vector<ImageLine> lines;
+    for (const LinePick& pick : picks) lines.push_back(slack_lines[pick.edge][pick.line]);
+    return meeting_of(lines, kLeastMeetingDeg);
   };
-  std::vector<Choice> choices;
-  std::vector<ImageLine> lines;
-  for (size_t combination = 1; combination < combinations; ++combination) {
-    lines.clear();
-    double value = 0;
-    size_t rest = combination;
-    for (size_t edge = 0; edge < lines_of.size(); ++edge) {
-      const size_t choice = rest % (lines_of[edge].size() + 1);
-      rest /= lines_of[edge].size() + 1;
-      if (choice == 0) continue;
-      lines.push_back(slack_lines[edge][choice - 1]);
-      value += lines_of[edge][choice - 1].support;
-    }
-    if (lines.size() < 2) continue;
-    const auto meeting = meeting_of(lines, kLeastMeetingDeg);
-    if (!meeting || meeting->squares > kMostSquares || !contains(window, meeting->pixel)) continue;
-    const Eigen::Vector2d off = meeting->pixel - input.prediction.pixel;
-    value -= kPriorWeight * off.dot(prior_information * off);
-    choices.push_back({combination, meeting->pixel, value});
-  }
-  std::stable_sort(choices.begin(), choices.end(),
-                   [](const Choice& a, const Choice& b) { return a.value > b.value; });
-  std::vector<Agreement> found;
-  for (const Choice& choice : choices) {
-    const bool is_known = std::any_of(found.begin(), found.end(), [&](const Agreement& other) {
-      return (other.pixel - choice.pixel).norm() < kSamePx;
-    });
-    if (is_known) continue;
-    Agreement agreement{{}, choice.pixel, choice.value};
-    size_t rest = choice.combination;
-    for (const auto& candidates : lines_of) {
-      const size_t line = rest % (candidates.size() + 1);
-      rest /= candidates.size() + 1;
-      if (line > 0) agreement.lines.push_back(candidates[line - 1]);
-    }
-    found.push_back(std::move(agreement));
-    if (found.size() == kMostAgreements) break;
-  }
-  return found;
-}
-
-// The longest run of samples without a gap.
-Stretch longest_run(const std::vector<PredictedEdge::Sample>& samples) {
-  Stretch longest{0, 0};
-  size_t first = 0;
-  for (size_t i = 1; i <= samples.size(); ++i) {
-    if (i < samples.size() && samples[i].along_px - samples[i - 1].along_px < 1.5) continue;
-    if (samples[i - 1].along_px - samples[first].along_px > longest.to_px - longest.from_px) {
-      longest = {samples[first].along_px, samples[i - 1].along_px};
-    }
-    first = i;
-  }
-  return longest;
+  rules.support = [&](const LinePick& pick, const Eigen::Vector2d&) {
+    return lines_of[pick.edge][pick.line].support;
+  };
+  return find_agreements(lines_of_edge, input.prediction, window, rules);
 }
 
 }  // namespace
@@ -377,23 +339,21 @@ std::optional<ModelLines> find_model_lines(const ExtractionInput& input, const c
   for (const SearchedEdge& edge : edges) {
     found.of_edge.push_back(find_lines(input, gradients, edge, found.polarity));
   }
-  found.agreements = agreements(input, found.of_edge, window);
+  found.agreements = agreements_of(input, found.of_edge, window);
   return found;
 }
 
 std::optional<ImageLine> refitted(const ExtractionInput& input, const FoundLine& found,
                                   const Eigen::Vector2d& vertex, int polarity) {
-  constexpr double kOffCornerPx = 4;
-  constexpr double kApartPx = 6;
   constexpr double kLeastStretchPx = 5;
   constexpr double kFirstStretchPx = 30;
   const PredictedEdge edge =
       predict_edge(input.view, input.prediction, found.edge,
                    {kOffCornerPx, kFarReachPx, kApartPx, /*is_apart_from_creases=*/true});
   if (edge.is_soft || edge.samples.empty()) return std::nullopt;
-  const Stretch run = longest_run(edge.samples);
+  const EdgeRun run = longest_unbroken_run(edge);
+  if (!(run.length_px() >= kLeastStretchPx)) return std::nullopt;
   std::optional<ImageLine> line = found.line;
-  if (!(run.to_px - run.from_px >= kLeastStretchPx)) return std::nullopt;
   // The far end only once the near one has told where it is.
   for (const double to_px : {std::min(run.from_px + kFirstStretchPx, run.to_px), run.to_px}) {
     const double sense = line->direction.dot(edge.direction) >= 0 ? 1 : -1;

@@ -11,30 +11,22 @@
 #include <optional>
 #include <vector>
 
+#include "features/agreement.h"
 #include "features/extractor.h"
 
 namespace sightline {
 
-/// Lines meet at this angle at least.
-inline constexpr double kLeastMeetingDeg = 2;
-
 /// A line that may be the image of one of the feature's edges.
 struct FoundLine {
-  int edge;        ///< index into the feature's
+  int edge;        ///< index into the feature's edges
   double support;  ///< the share of the edge's samples that have a peak on it
   ImageLine line;
 };
 
-/// Of every edge one line or none, which meet in one point.
-struct Agreement {
-  std::vector<FoundLine> lines;  ///< two or more
-  Eigen::Vector2d pixel;
-  double value = 0;  ///< their support, less what the prior holds against the point
-};
-
+/// What is found along the edges that were looked for, which may be fewer than the feature has.
 struct ModelLines {
   std::vector<std::vector<FoundLine>> of_edge;  ///< of each edge looked for, best first
-  std::vector<Agreement> agreements;            ///< within the window, best first, few
+  std::vector<Agreement> agreements;            ///< of these lines, in the window, best first, few
   int polarity = 0;                             ///< of the outline (features/outline_search.h)
 };
 

@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "features/observation.h"
 
+#include <cmath>
+
+#include <Eigen/Eigenvalues>
+
 namespace sightline {
 
 std::string_view to_string(ObservationStatus status) {
@@ -30,6 +34,11 @@ std::string_view to_string(ObservationStatus status) {
       return "no corner";
   }
   return "unknown";
+}
+
+double worst_sd_px(const Eigen::Matrix2d& covariance_px2) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(covariance_px2);
+  return std::sqrt(eigen.eigenvalues()[1]);
 }
 
 }  // namespace sightline

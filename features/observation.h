@@ -37,7 +37,8 @@ inline constexpr std::array kObservationStatuses = {
 /// Words for tables and files: "found", "hidden", "too few edge pixels", ...
 std::string_view to_string(ObservationStatus status);
 
-/// A straight line found in an image, with the edge pixels it was fitted to.
+/// A straight line found in an image, with the edge pixels it was fitted to. Of the lines in this
+/// folder it alone stands in the image by itself: others are given against a predicted edge.
 struct ImageLine {
   Eigen::Vector2d point = Eigen::Vector2d::Zero();       ///< centroid of its edge pixels
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();  ///< unit vector
@@ -64,5 +65,8 @@ struct Observation {
   /// That outline where it came to lie: its samples, a pixel apart, in the order of the mesh.
   std::vector<Eigen::Vector2d> laid_outline;
 };
+
+/// The standard deviation of a pixel in the direction in which it is known worst, px.
+double worst_sd_px(const Eigen::Matrix2d& covariance_px2);
 
 }  // namespace sightline

@@ -25,8 +25,9 @@ constexpr double kBevelPx = 4;              // the widest that blurs into its ed
 constexpr double kBeyondPx = 3;
 constexpr double kJustBeyondPx = 1.2;
 
-// A stretch of the outline, with the target on the left of its direction as seen.
-struct Segment {
+// An edge of the mesh in the image: of the outline, with the target on the left of its direction as
+// seen, or a crease inside it.
+struct MeshSegment {
   Eigen::Vector2d begin, end;
   Eigen::Vector3d begin_m, end_m;
   Eigen::Vector2d normal;  // unit, out of the target
@@ -78,12 +79,12 @@ const FeatureShape* shape_of(const PredictedView& view, const FeaturePrediction&
 }
 
 // That edge in the image, unless it is farther than `reach_px` from a pixel.
-std::optional<Segment> segment_of(const Eye& eye, const MeshEdge& edge, bool is_reversed,
-                                  const Eigen::Vector2d& centre, double reach_px) {
+std::optional<MeshSegment> segment_of(const Eye& eye, const MeshEdge& edge, bool is_reversed,
+                                      const Eigen::Vector2d& centre, double reach_px) {
   const auto begin = eye.project(edge.begin_m);
   const auto end = eye.project(edge.end_m);
   if (!begin || !end) return std::nullopt;
-  Segment segment{*begin, *end, edge.begin_m, edge.end_m, {}};
+  MeshSegment segment{*begin, *end, edge.begin_m, edge.end_m, {}};
   if (is_reversed) {
     std::swap(segment.begin, segment.end);
     std::swap(segment.begin_m, segment.end_m);
@@ -100,9 +101,9 @@ std::optional<Segment> segment_of(const Eye& eye, const MeshEdge& edge, bool is_
 }
 
 // The edges of the mesh between a face turned to the eye and one turned away, near a pixel.
-std::vector<Segment> silhouette(const Eye& eye, const FeatureShape& shape,
-                                const Eigen::Vector2d& centre, double reach_px) {
-  std::vector<Segment> segments;
+std::vector<MeshSegment> outline_segments(const Eye& eye, const FeatureShape& shape,
+                                          const Eigen::Vector2d& centre, double reach_px) {
+  std::vector<MeshSegment> segments;
   for (const MeshEdge& edge : shape.edges) {
     const bool is_first_seen = edge.is_face_towards(0, eye.position_m());
     const bool is_second_seen = !edge.is_open && edge.is_face_towards(1, eye.position_m());
@@ -114,9 +115,9 @@ std::vector<Segment> silhouette(const Eye& eye, const FeatureShape& shape,
 }
 
 // The creases between two faces that are both turned to the eye, near a pixel.
-std::vector<Segment> seen_creases(const Eye& eye, const FeatureShape& shape,
-                                  const Eigen::Vector2d& centre, double reach_px) {
-  std::vector<Segment> segments;
+std::vector<MeshSegment> seen_creases(const Eye& eye, const FeatureShape& shape,
+                                      const Eigen::Vector2d& centre, double reach_px) {
+  std::vector<MeshSegment> segments;
   for (const MeshEdge& edge : shape.edges) {
     if (edge.is_open || edge.cos_turn() > kCreaseCosine) continue;
     if (!edge.is_face_towards(0, eye.position_m()) || !edge.is_face_towards(1, eye.position_m())) {
@@ -135,12 +136,12 @@ struct Crossing {
 };
 
 // Where the outline, running along with an edge, crosses the edge's normal at a pixel: nearest.
-std::optional<Crossing> crossing_at(const std::vector<Segment>& segments,
+std::optional<Crossing> crossing_at(const std::vector<MeshSegment>& segments,
                                     const Eigen::Vector2d& pixel, const Eigen::Vector2d& normal,
                                     double max_offset_px) {
   const Eigen::Vector2d along(-normal.y(), normal.x());
   std::optional<Crossing> nearest;
-  for (const Segment& segment : segments) {
+  for (const MeshSegment& segment : segments) {
     const double cosine = segment.normal.dot(normal);
     if (std::abs(cosine) < kParallelCosine) continue;
     const double from = along.dot(segment.begin - pixel);
@@ -168,11 +169,11 @@ Eigen::Vector3d point_on(const Edge& edge, const Eye& eye, const Eigen::Vector2d
 }
 
 // True where another edge runs so near.
-bool has_neighbour(const std::vector<Segment>& segments, const Eigen::Vector2d& on_outline,
+bool has_neighbour(const std::vector<MeshSegment>& segments, const Eigen::Vector2d& on_outline,
                    const Eigen::Vector2d& normal, double apart_px) {
   constexpr double kItselfPx = 0.5;
   const Eigen::Vector2d along(-normal.y(), normal.x());
-  for (const Segment& segment : segments) {
+  for (const MeshSegment& segment : segments) {
     const double from = along.dot(segment.begin - on_outline);
     const double to = along.dot(segment.end - on_outline);
     if (from * to > 0 || from == to) continue;
@@ -196,10 +197,96 @@ bool is_mostly_rounded(const std::vector<MeshEdge>& edges) {
   return 2 * rounded_m > length_m;
 }
 
+// What is seen at a point of an edge or of the outline.
 struct Looked {
   bool is_seen = false;
   bool borders_target = false;
 };
+
+// One of a feature's edges that is to be predicted, with what of the mesh is near it.
+struct EdgeAsked {
+  const Edge& own;
+  const std::vector<MeshEdge>& along;  // the edges of the mesh that it consists of
+  const Eye& eye;
+  const EdgeStretch& stretch;
+  bool is_rounded;
+  int count;  // of places a pixel apart along it, from its gap on
+  std::vector<MeshSegment> outline;
+  std::vector<MeshSegment> creases;  // that the stretch is to be apart from
+
+  double along_px(int place) const { return stretch.gap_px + place; }
+
+  std::optional<Crossing> outline_at(const PredictedEdge& predicted, int place) const {
+    return crossing_at(outline, predicted.begin + along_px(place) * predicted.direction,
+                       predicted.normal, is_rounded ? kMaxOffsetPx : kMaxCreaseOffsetPx);
+  }
+
+  bool is_apart(const PredictedEdge& predicted, const Eigen::Vector2d& on_edge) const {
+    return !has_neighbour(outline, on_edge, predicted.normal, stretch.apart_px) &&
+           !has_neighbour(creases, on_edge, predicted.normal, stretch.apart_px);
+  }
+
+  // True where a crease between two faces runs along the edge that are both turned to the eye; the
+  // mesh may also have no edge there.
+  bool is_seen_as_crease() const {
+    if (is_rounded) return false;
+    return along.empty() || (along.front().is_face_towards(0, eye.position_m()) &&
+                             along.front().is_face_towards(1, eye.position_m()));
+  }
+};
+
+// Where the outline runs along the edge: at how many of its places, and at how many of these with
+// the target on the other side of it than the predicted normal says.
+struct OutlinedPlaces {
+  int outlined = 0;
+  int reversed = 0;
+};
+
+OutlinedPlaces outlined_places(const EdgeAsked& asked, const PredictedEdge& predicted) {
+  OutlinedPlaces places;
+  for (int i = 0; i < asked.count; ++i) {
+    const auto crossing = asked.outline_at(predicted, i);
+    places.outlined += crossing.has_value();
+    places.reversed += crossing && crossing->is_normal_reversed;
+  }
+  return places;
+}
+
+// The places of the edge that are to be seen.
+std::vector<PredictedEdge::Sample> seen_samples(const EdgeAsked& asked,
+                                                const PredictedEdge& predicted) {
+  std::vector<PredictedEdge::Sample> samples;
+  samples.reserve(asked.count);
+  const Eye& eye = asked.eye;
+  Looked looked;
+  double look_px = asked.stretch.gap_px;
+  for (int i = 0; i < asked.count; ++i) {
+    const double along_px = asked.along_px(i);
+    double offset_px = 0;
+    Eigen::Vector3d point_m;
+    if (!predicted.is_crease) {
+      const auto crossing = asked.outline_at(predicted, i);
+      if (!crossing || crossing->is_normal_reversed) continue;
+      offset_px = crossing->offset_px;
+      point_m = crossing->point_m;
+    }
+    const Eigen::Vector2d on_edge =
+        predicted.begin + along_px * predicted.direction + offset_px * predicted.normal;
+    if (!asked.is_apart(predicted, on_edge)) continue;
+    if (along_px >= look_px) {
+      look_px = along_px + kLookStepPx;
+      if (predicted.is_crease) {
+        point_m = point_on(asked.own, eye, predicted.begin, predicted.direction, along_px);
+      }
+      looked.is_seen = eye.sees(point_m);
+      looked.borders_target = predicted.is_crease ||
+                              eye.sees_target_at(on_edge + kBeyondPx * predicted.normal) ||
+                              eye.sees_target_at(on_edge + kJustBeyondPx * predicted.normal);
+    }
+    if (looked.is_seen) samples.push_back({along_px, offset_px, looked.borders_target});
+  }
+  return samples;
+}
 
 }  // namespace
 
@@ -212,73 +299,36 @@ PredictedEdge predict_edge(const PredictedView& view, const FeaturePrediction& p
   const Edge& own = view.target->features[prediction.feature].edges[edge];
   predicted.direction = image_direction(view.camera, view.cam_from_target, own);
   predicted.normal = Eigen::Vector2d(-predicted.direction.y(), predicted.direction.x());
-  const double gap_px = stretch.gap_px;
   const Eye eye(view);
   const auto end = eye.project(own.end_m);
   if (!end) return predicted;
   const double length_px = predicted.direction.dot(*end - predicted.begin);
-  const double last_px = std::min(stretch.reach_px, length_px - gap_px);
-  if (!(last_px > gap_px)) return predicted;
+  const double last_px = std::min(stretch.reach_px, length_px - stretch.gap_px);
+  if (!(last_px > stretch.gap_px)) return predicted;
 
   const std::vector<MeshEdge>& along = shape->along[edge];
   const bool is_rounded = is_mostly_rounded(along);
   predicted.is_soft =
       is_rounded || shape->bevel_m[edge] < kBevelPx * eye.metres_per_px(own.begin_m);
-  const double max_offset_px = is_rounded ? kMaxOffsetPx : kMaxCreaseOffsetPx;
-  const auto segments = silhouette(eye, *shape, predicted.begin, last_px + kMaxOffsetPx);
-  const auto creases = stretch.is_apart_from_creases
-                           ? seen_creases(eye, *shape, predicted.begin, last_px + kMaxOffsetPx)
-                           : std::vector<Segment>();
-  const auto pixel_at = [&](double along_px) -> Eigen::Vector2d {
-    return predicted.begin + along_px * predicted.direction;
-  };
-  const int count = static_cast<int>(last_px - gap_px) + 1;
-  int outlined = 0;
-  int reversed = 0;
-  for (int i = 0; i < count; ++i) {
-    const auto crossing =
-        crossing_at(segments, pixel_at(gap_px + i), predicted.normal, max_offset_px);
-    outlined += crossing.has_value();
-    reversed += crossing && crossing->is_normal_reversed;
+  const double near_px = last_px + kMaxOffsetPx;
+  const EdgeAsked asked{own,
+                        along,
+                        eye,
+                        stretch,
+                        is_rounded,
+                        static_cast<int>(last_px - stretch.gap_px) + 1,
+                        outline_segments(eye, *shape, predicted.begin, near_px),
+                        stretch.is_apart_from_creases
+                            ? seen_creases(eye, *shape, predicted.begin, near_px)
+                            : std::vector<MeshSegment>()};
+  const OutlinedPlaces places = outlined_places(asked, predicted);
+  predicted.is_crease = 2 * places.outlined < asked.count;
+  if (predicted.is_crease && !asked.is_seen_as_crease()) {
+    predicted.is_crease = false;
+    return predicted;
   }
-  const bool is_outline = 2 * outlined >= count;
-  if (!is_outline) {
-    // Not on the outline: a crease between two faces that are both seen, or hidden.
-    if (is_rounded) return predicted;
-    const bool is_seen = along.empty() || (along.front().is_face_towards(0, eye.position_m()) &&
-                                           along.front().is_face_towards(1, eye.position_m()));
-    if (!is_seen) return predicted;
-    predicted.is_crease = true;
-  }
-  if (2 * reversed > outlined) predicted.normal = -predicted.normal;
-
-  predicted.samples.reserve(count);
-  Looked looked;
-  double look_px = gap_px;
-  for (int i = 0; i < count; ++i) {
-    const double along_px = gap_px + i;
-    const Eigen::Vector2d pixel = pixel_at(along_px);
-    double offset_px = 0;
-    Eigen::Vector3d point_m;
-    if (is_outline) {
-      const auto crossing = crossing_at(segments, pixel, predicted.normal, max_offset_px);
-      if (!crossing || crossing->is_normal_reversed) continue;
-      offset_px = crossing->offset_px;
-      point_m = crossing->point_m;
-    }
-    const Eigen::Vector2d on_edge = pixel + offset_px * predicted.normal;
-    if (has_neighbour(segments, on_edge, predicted.normal, stretch.apart_px)) continue;
-    if (has_neighbour(creases, on_edge, predicted.normal, stretch.apart_px)) continue;
-    if (along_px >= look_px) {
-      look_px = along_px + kLookStepPx;
-      if (!is_outline) point_m = point_on(own, eye, predicted.begin, predicted.direction, along_px);
-      looked.is_seen = eye.sees(point_m);
-      looked.borders_target = !is_outline ||
-                              eye.sees_target_at(on_edge + kBeyondPx * predicted.normal) ||
-                              eye.sees_target_at(on_edge + kJustBeyondPx * predicted.normal);
-    }
-    if (looked.is_seen) predicted.samples.push_back({along_px, offset_px, looked.borders_target});
-  }
+  if (2 * places.reversed > places.outlined) predicted.normal = -predicted.normal;
+  predicted.samples = seen_samples(asked, predicted);
   return predicted;
 }
 
@@ -289,16 +339,16 @@ std::vector<EdgeSegment> edges_beside(const PredictedView& view,
   const FeatureShape* shape = shape_of(view, prediction);
   if (shape == nullptr) return beside;
   const std::vector<MeshEdge>& own = shape->along[edge];
-  const auto is_own = [&](const Segment& segment) {
+  const auto is_own = [&](const MeshSegment& segment) {
     return std::any_of(own.begin(), own.end(), [&](const MeshEdge& part) {
       return (segment.begin_m == part.begin_m && segment.end_m == part.end_m) ||
              (segment.begin_m == part.end_m && segment.end_m == part.begin_m);
     });
   };
   const Eye eye(view);
-  for (const auto& segments : {silhouette(eye, *shape, prediction.pixel, reach_px),
+  for (const auto& segments : {outline_segments(eye, *shape, prediction.pixel, reach_px),
                                seen_creases(eye, *shape, prediction.pixel, reach_px)}) {
-    for (const Segment& segment : segments) {
+    for (const MeshSegment& segment : segments) {
       if (!is_own(segment)) beside.push_back({segment.begin, segment.end});
     }
   }
@@ -313,7 +363,7 @@ std::vector<OutlineSample> predict_outline(const PredictedView& view,
   const Eye eye(view);
   double to_next_px = 0.5;  // samples stay a pixel apart over the bends of the outline
   double to_look_px = 0;
-  for (const Segment& segment : silhouette(eye, *shape, prediction.pixel, reach_px)) {
+  for (const MeshSegment& segment : outline_segments(eye, *shape, prediction.pixel, reach_px)) {
     const Eigen::Vector2d along = segment.end - segment.begin;
     const double length_px = along.norm();
     Looked looked;

@@ -66,6 +66,10 @@ std::array<int, 2> best_seen(const Target& target, const TargetFeature& feature,
 
 }  // namespace
 
+double predicted_sd_px(const FeaturePrediction& prediction) {
+  return std::sqrt(prediction.covariance_px2.trace() / 2);
+}
+
 // The derivative of the projection along the edge. A far end point would do as well, but may lie
 // behind the camera.
 Eigen::Vector2d image_direction(const Camera& camera, const Pose& cam_from_target,

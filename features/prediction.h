@@ -31,6 +31,9 @@ struct FeaturePrediction {
   std::array<Eigen::Vector2d, 2> edge_direction{Eigen::Vector2d::UnitX(), Eigen::Vector2d::UnitY()};
 };
 
+/// The standard deviation of a predicted pixel in one coordinate, px: of u and v the mean square.
+double predicted_sd_px(const FeaturePrediction& prediction);
+
 /// The target as a prior pose expects it: all that an extractor may know.
 struct PredictedView {
   const Target* target = nullptr;  ///< must outlive this; without it there are no outlines

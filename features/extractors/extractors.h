@@ -7,13 +7,13 @@
 // The functions behind the catalogue in features/extractor.cpp, one a file of this folder.
 namespace sightline {
 
-void extract_contour(const ExtractionInput& input, Observation& observation);
-void extract_edges_else_contour(const ExtractionInput& input, Observation& observation);
-void extract_harris_subpixel(const ExtractionInput& input, Observation& observation);
-void extract_hough_intersection(const ExtractionInput& input, Observation& observation);
-void extract_hough_subpixel(const ExtractionInput& input, Observation& observation);
-void extract_lsd_intersection(const ExtractionInput& input, Observation& observation);
-void extract_model_edges(const ExtractionInput& input, Observation& observation);
-void extract_shi_tomasi_nearest(const ExtractionInput& input, Observation& observation);
+Observation extract_contour(const ExtractionInput& input);
+Observation extract_edges_else_contour(const ExtractionInput& input);
+Observation extract_harris_subpixel(const ExtractionInput& input);
+Observation extract_hough_intersection(const ExtractionInput& input);
+Observation extract_hough_subpixel(const ExtractionInput& input);
+Observation extract_lsd_intersection(const ExtractionInput& input);
+Observation extract_model_edges(const ExtractionInput& input);
+Observation extract_shi_tomasi_nearest(const ExtractionInput& input);
 
 }  // namespace sightline

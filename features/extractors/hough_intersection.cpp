@@ -14,15 +14,16 @@
 
 namespace sightline {
 
-void extract_hough_intersection(const ExtractionInput& input, Observation& observation) {
+Observation extract_hough_intersection(const ExtractionInput& input) {
   const LineOptions& options = input.options.line;
-  const HoughTransform hough = hough_transform(input.image, observation.window, options);
+  const HoughTransform hough = hough_transform(input.image, input.window, options);
+  std::vector<ImageLine> lines;
   for (const Eigen::Vector2d& direction : input.prediction.edge_direction) {
     for (ImageLine& line : lines_along(direction, hough, input, options, 1)) {
-      observation.lines.push_back(std::move(line));
+      lines.push_back(std::move(line));
     }
   }
-  meet(options.min_angle_deg, observation);
+  return found_at_meeting(nothing_found(input), std::move(lines), options.min_angle_deg);
 }
 
 }  // namespace sightline
