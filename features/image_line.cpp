@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include "pose/angles.h"
 
 namespace sightline {
 bool contains(const cv::Rect& window, const Eigen::Vector2d& pixel) {
@@ -57,7 +58,7 @@ std::optional<Meeting> meeting_of(std::span<const ImageLine> lines, double min_a
       greatest_sine = std::max(greatest_sine, std::abs(a.x() * b.y() - a.y() * b.x()));
     }
   }
-  if (greatest_sine < std::sin(min_angle_deg * std::numbers::pi / 180)) return std::nullopt;
+  if (greatest_sine < std::sin(min_angle_deg * kDegree)) return std::nullopt;
   // A line's variance depends on where it is asked for, so twice: the first time at its own point.
   // Two lines meet where they meet, whatever their weights.
   Meeting meeting;

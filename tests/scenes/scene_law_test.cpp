@@ -3,11 +3,11 @@
 #include "scenes/scene_law.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pose/angles.h"
 #include "pose/attitude.h"
 #include "scenes/input_error.h"
 #include "tests/scenes/error_text.h"
@@ -17,8 +17,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 const std::string kCube = R"(
 [camera]
