@@ -50,10 +50,9 @@ void judge_removals(const TrialRecord& record, const FoundPoints& found,
 // noise scaled.
 std::optional<Matrix6d> reported_covariance(const PoseProblem& problem,
                                             const PoseEstimate& estimate) {
-  const bool has_own = !estimate.covariance.isZero(0);
   const double variance_px2 = problem.sigma_px * problem.sigma_px;
   const Matrix6d covariance =
-      has_own ? estimate.covariance : Matrix6d(variance_px2 * estimate.unit_covariance);
+      estimate.covariance.value_or(Matrix6d(variance_px2 * estimate.unit_covariance));
   if (covariance.isZero(0) || !covariance.allFinite()) return std::nullopt;
   return covariance;
 }
