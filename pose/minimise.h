@@ -5,6 +5,8 @@
 // (Sums of squared reprojection errors have a faster way: pose/packed_points.h.)
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <optional>
 
 #include "pose/kernels/marquardt.h"
@@ -46,48 +48,54 @@ template <typename Evaluate>
 class CostOfPose {
  public:
   CostOfPose(const Evaluate& evaluate, const Pose& start, double tolerance)
-      : evaluate_(evaluate), tolerance_(tolerance), pose_(start) {}
+      : evaluate_(evaluate), tolerance_(tolerance) {
+    best().pose = start;
+  }
 
-  bool evaluate_start() {
-    std::optional<LocalModel> model = evaluate_(pose_);
-    if (model) model_ = *model;
-    return model.has_value();
-  }
+  bool evaluate_start() { return take_model(best()); }
   bool propose(double damping) {
-    const std::optional<Vector6d> delta = marquardt_step(model_, damping);
-    if (!delta) return false;
-    delta_ = *delta;
-    candidate_ = retract(pose_, delta_);
-    return true;
+    const std::optional<Vector6d> delta = marquardt_step(*best().model, damping);
+    if (delta) delta_ = *delta;
+    return delta.has_value();
   }
-  bool is_short_step() const { return sightline::is_short_step(delta_, pose_, tolerance_); }
-  double promise(double /*damping*/) const { return promised_decrease(model_, delta_); }
-  double cost() const { return model_.cost; }
+  bool is_short_step() const { return sightline::is_short_step(delta_, best().pose, tolerance_); }
+  double promise(double /*damping*/) const { return promised_decrease(*best().model, delta_); }
+  double cost() const { return best().model->cost; }
   bool evaluate_candidate() {
-    candidate_model_ = evaluate_(candidate_);
-    return candidate_model_.has_value();
+    candidate().pose = retract(best().pose, delta_);
+    return take_model(candidate());
   }
-  double candidate_cost() const { return candidate_model_->cost; }
-  void accept() {
-    pose_ = candidate_;
-    model_ = *candidate_model_;
-  }
+  double candidate_cost() const { return candidate().model->cost; }
+  void accept() { best_ = 1 - best_; }
   /// The caller is given the model at the pose: the last step is evaluated as any other.
   void take_last_step() {
     if (evaluate_candidate() && kernel::is_no_worse(candidate_cost(), cost())) accept();
   }
 
-  const Pose& pose() const { return pose_; }
-  const LocalModel& model() const { return model_; }
+  const Pose& pose() const { return best().pose; }
+  const std::optional<LocalModel>& model() const { return best().model; }
 
  private:
+  struct Place {
+    Pose pose;
+    std::optional<LocalModel> model;
+  };
+  Place& best() { return places_[best_]; }
+  const Place& best() const { return places_[best_]; }
+  Place& candidate() { return places_[1 - best_]; }
+  const Place& candidate() const { return places_[1 - best_]; }
+
+  bool take_model(Place& place) {
+    place.model = evaluate_(place.pose);
+    return place.model.has_value();
+  }
+
   const Evaluate& evaluate_;
   double tolerance_;
-  Pose pose_;
-  LocalModel model_;
   Vector6d delta_;
-  Pose candidate_;
-  std::optional<LocalModel> candidate_model_;
+  /// One is the best so far and the other the candidate; they change parts when it is accepted.
+  std::array<Place, 2> places_;
+  std::size_t best_ = 0;
 };
 
 /// The status of a pose for the end of an iteration.
@@ -104,7 +112,7 @@ Minimum minimise(const Pose& start, const Evaluate& evaluate, int max_iterations
   Minimum result;
   result.status = status_of(kernel::marquardt(problem, max_iterations, result.iterations));
   result.pose = problem.pose();
-  result.model = problem.model();
+  if (problem.model()) result.model = *problem.model();
   return result;
 }
 

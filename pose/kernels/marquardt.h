@@ -52,17 +52,18 @@ inline double lowered_damping(double damping) {
 ///
 ///   bool evaluate_start()       cost, gradient and Hessian at the start, which is the best pose so
 ///                               far; false where the cost is not defined
-///   bool propose(damping)       the step from the best pose, and the candidate that it leads to;
-///                               false where the damped Hessian is not positive definite
+///   bool propose(damping)       the step from the best pose; false where the damped Hessian is not
+///                               positive definite
 ///   bool is_short_step()        whether the proposed step is within the tolerance
 ///   double promise(damping)     what the quadratic model says that the step lowers the cost by
 ///   double cost()               at the best pose
-///   bool evaluate_candidate()   cost, gradient and Hessian at the candidate; false where the cost
-///                               is not defined
+///   bool evaluate_candidate()   cost, gradient and Hessian at the candidate, the pose that the
+///   step
+///                               leads to; false where the cost is not defined
 ///   double candidate_cost()     after evaluate_candidate
 ///   void accept()               makes the evaluated candidate the best pose
-///   void take_last_step()       ends at the candidate of a step so short that the iteration has
-///                               converged; the problem says whether it is worth an evaluation
+///   void take_last_step()       ends with a step so short that the iteration has converged; the
+///                               problem says whether the step is worth an evaluation
 ///
 /// It has converged when a step that damping hardly shortens is short or promises less than
 /// rounding, or when a step as small does not lower the cost however it is damped.

@@ -156,42 +156,50 @@ inline bool is_in_front(const PointLanes* points, std::size_t count, const Rigid
 class LanesFit {
  public:
   LanesFit(const PointLanes* lanes, std::size_t count, const RigidPose& start, double tolerance)
-      : lanes_(lanes), count_(count), tolerance_(tolerance), pose_(start) {}
+      : lanes_(lanes), count_(count), tolerance_(tolerance) {
+    best().pose = start;
+  }
 
-  bool evaluate_start() { return evaluate(lanes_, count_, pose_, models_[best_]); }
+  bool evaluate_start() { return evaluate(lanes_, count_, best().pose, best().model); }
   bool propose(double damping) {
-    if (!solve_by_blocks(model().hessian, damping, model().gradient, delta_)) return false;
-    candidate_ = moved(pose_, delta_);
-    return true;
+    return solve_by_blocks(best().model.hessian, damping, best().model.gradient, delta_);
   }
-  bool is_short_step() const { return is_short(delta_, pose_, tolerance_); }
-  double promise(double damping) const { return promised_decrease(model(), delta_, damping); }
-  double cost() const { return model().cost; }
-  bool evaluate_candidate() { return evaluate(lanes_, count_, candidate_, models_[1 - best_]); }
-  double candidate_cost() const { return models_[1 - best_].cost; }
-  void accept() {
-    pose_ = candidate_;
-    best_ = 1 - best_;
+  bool is_short_step() const { return is_short(delta_, best().pose, tolerance_); }
+  double promise(double damping) const { return promised_decrease(best().model, delta_, damping); }
+  double cost() const { return best().model.cost; }
+  bool evaluate_candidate() {
+    candidate().pose = moved(best().pose, delta_);
+    return evaluate(lanes_, count_, candidate().pose, candidate().model);
   }
+  double candidate_cost() const { return candidate().model.cost; }
+  void accept() { best_ = 1 - best_; }
   /// Shorter than the tolerance, the step is not worth another evaluation: the model stays that of
   /// the pose before it.
   void take_last_step() {
-    if (is_in_front(lanes_, count_, candidate_)) pose_ = candidate_;
+    const RigidPose last = moved(best().pose, delta_);
+    if (is_in_front(lanes_, count_, last)) best().pose = last;
   }
 
-  const RigidPose& pose() const { return pose_; }
-  const NormalEquations& model() const { return models_[best_]; }
+  const RigidPose& pose() const { return best().pose; }
+  const NormalEquations& model() const { return best().model; }
 
  private:
+  struct Place {
+    RigidPose pose;
+    NormalEquations model;
+  };
+  Place& best() { return places_[best_]; }
+  const Place& best() const { return places_[best_]; }
+  Place& candidate() { return places_[1 - best_]; }
+  const Place& candidate() const { return places_[1 - best_]; }
+
   const PointLanes* lanes_;
   std::size_t count_;
   double tolerance_;
-  RigidPose pose_;
-  RigidPose candidate_;
   double delta_[6];
-  /// One is of the best pose and the other of the candidate. They change places: to copy one takes
-  /// as long as a third of an evaluation.
-  NormalEquations models_[2];
+  /// One is the best so far and the other the candidate. When a candidate is accepted they change
+  /// parts: to copy one takes as long as a third of an evaluation.
+  Place places_[2];
   int best_ = 0;
 };
 
