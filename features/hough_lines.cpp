@@ -4,17 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <opencv2/imgproc.hpp>
 
 #include "features/image_line.h"
+#include "pose/angles.h"
 
 namespace sightline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSmoothingSigmaPx = 1.0;  // before Canny
 constexpr double kHoughDistancePx = 1.5;   // of an edge pixel from the Hough line it votes for
 constexpr double kRefitDistancePx = 1.0;   // of an edge pixel from the fitted line

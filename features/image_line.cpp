@@ -5,11 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+
+#include "pose/angles.h"
 
 namespace sightline {
 
@@ -60,7 +61,7 @@ std::optional<Meeting> meeting_of(std::span<const ImageLine> lines, double min_a
       greatest_sine = std::max(greatest_sine, std::abs(a.x() * b.y() - a.y() * b.x()));
     }
   }
-  if (greatest_sine < std::sin(min_angle_deg * std::numbers::pi / 180)) return std::nullopt;
+  if (greatest_sine < std::sin(min_angle_deg * kDegree)) return std::nullopt;
   // A line's variance depends on where it is asked for, so twice: the first time at its own point.
   // Two lines meet where they meet, whatever their weights.
   Meeting meeting;

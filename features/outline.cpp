@@ -4,17 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "pose/angles.h"
+
 namespace sightline {
 namespace {
 
 // Faces that turn more make a crease, which is seen also inside the outline.
-const double kCreaseCosine = std::cos(55 * std::numbers::pi / 180);
+const double kCreaseCosine = std::cos(55 * kDegree);
 constexpr double kMaxOffsetPx = 4;          // of an outline from the rounded edge that makes it
 constexpr double kMaxCreaseOffsetPx = 0.3;  // a crease is its own outline
 constexpr double kParallelCosine = 0.8;     // of an outline's normal with that of its edge

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
+
+#include "pose/angles.h"
 
 namespace sightline {
 namespace {
@@ -82,7 +83,6 @@ Eigen::Vector2d image_direction(const Camera& camera, const Pose& cam_from_targe
 }
 
 PosePrior prior_of(const Pose& cam_from_target, const Camera& camera, const PriorError& error) {
-  constexpr double kDegree = std::numbers::pi / 180;
   const Eigen::Vector3d& t = cam_from_target.translation;
   const double angle = error.attitude_deg * kDegree;
   const double across_x = error.lateral_px * t.z() / camera.fx_px;

@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "pose/attitude.h"
+#include "pose/point_spread.h"
 #include "pose/reprojection.h"
 
 namespace sightline {
@@ -65,7 +66,7 @@ std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
   Correspondences c;
   c.fx_px = camera.fx_px;
   c.fy_px = camera.fy_px;
-  c.centroid_in_target = spread_of(points_in_target).mean;
+  c.centroid_in_target = mean_of(points_in_target);
   for (const Eigen::Vector3d& p : points_in_target) {
     c.points_in_centred.push_back(p - c.centroid_in_target);
   }

@@ -19,14 +19,11 @@
 #include <Eigen/LU>
 
 #include "pose/absolute_orientation.h"
-#include "pose/reprojection.h"
+#include "pose/point_spread.h"
+#include "pose/scaled_orthographic.h"
 
 namespace sightline {
 namespace {
-
-/// Root-mean-square extent over range below which least squares gets from the scaled-orthographic
-/// pose to its minimum by itself: orthogonal iteration has nothing to correct, and is slow there.
-constexpr double kWeakPerspective = 0.1;
 
 struct ObjectSpaceFit {
   Pose cam_from_points;
@@ -124,55 +121,6 @@ Eigen::Matrix<double, 2, 3> affine_fit(const Sights& sights) {
   return cross;
 }
 
-/// The scaled-orthographic rotation (camera from axes) nearest an affine map of full rank:
-/// the first two rows are (A A^T)^-1/2 A.
-std::optional<Eigen::Matrix3d> rotation_from_affine(const Eigen::Matrix<double, 2, 3>& affine) {
-  const Eigen::Matrix2d gram = affine * affine.transpose();
-  const double det_root = std::sqrt(std::max(gram.determinant(), 0.0));
-  // The points coincide, or lie on one line, in the image.
-  if (!(det_root > 1e-9 * gram.trace())) return std::nullopt;
-  const Eigen::Matrix2d root =
-      (gram + det_root * Eigen::Matrix2d::Identity()) / std::sqrt(gram.trace() + 2 * det_root);
-  const Eigen::Matrix<double, 2, 3> rows = root.inverse() * affine;
-  Eigen::Matrix3d rotation;
-  rotation << rows, rows.row(0).cross(rows.row(1));
-  return rotation;
-}
-
-/// The two mirror rotations of a plane target. Its in-plane map is s times the upper 2x2 block of
-/// the rotation's first two columns; the third row completes them to unit length, sign unknown.
-std::vector<Eigen::Matrix3d> rotations_from_plane_affine(const Eigen::Matrix2d& affine) {
-  const Eigen::Matrix2d gram = affine.transpose() * affine;
-  const double half_trace = 0.5 * gram.trace();
-  const double scale2 =  // the larger eigenvalue of gram
-      half_trace + std::hypot(0.5 * (gram(0, 0) - gram(1, 1)), gram(0, 1));
-  if (!(scale2 > 0)) return {};
-  const double c0_2 = std::max(0.0, 1 - gram(0, 0) / scale2);
-  const double c1_2 = std::max(0.0, 1 - gram(1, 1) / scale2);
-  const double product = -gram(0, 1) / scale2;
-  const Eigen::RowVector2d third_row(std::sqrt(c0_2), std::copysign(std::sqrt(c1_2), product));
-
-  std::vector<Eigen::Matrix3d> rotations;
-  for (const double sign : {1.0, -1.0}) {
-    Eigen::Matrix<double, 3, 2> columns;
-    columns << affine / std::sqrt(scale2), sign * third_row;
-    Eigen::Matrix3d rotation;
-    rotation << columns, columns.col(0).cross(columns.col(1));
-    rotations.push_back(rotation);
-  }
-  return rotations;
-}
-
-/// False for nearly planar clouds (PointSpread::is_nearly_planar), and for some others.
-bool is_clearly_solid(const Eigen::Matrix3d& scatter) {
-  const Eigen::Matrix3d& m = scatter;
-  const double pairs = m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) -
-                       m(0, 2) * m(0, 2) + m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
-  // With eigenvalues l1 >= l2 >= l3: l3 >= det / pairs, and l2 <= 2 pairs / trace. Nearly planar is
-  // l3 < 0.01 l2.
-  return m.determinant() * m.trace() > 0.02 * pairs * pairs;
-}
-
 std::vector<Eigen::Matrix3d> affine_rotations(const Sights& sights) {
   const Eigen::Matrix<double, 2, 3> affine = affine_fit(sights);
   std::vector<Eigen::Matrix3d> rotations;
@@ -188,38 +136,6 @@ std::vector<Eigen::Matrix3d> affine_rotations(const Sights& sights) {
 }
 
 }  // namespace
-
-std::optional<Pose> weak_perspective_start(const Correspondences& c) {
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  Eigen::Matrix<double, 2, 3> cross = Eigen::Matrix<double, 2, 3>::Zero();
-  Eigen::Vector3d p_sum = Eigen::Vector3d::Zero();
-  Eigen::Vector2d u_sum = Eigen::Vector2d::Zero();
-  const Eigen::Vector2d pixel_to_normalised(1 / c.fx_px, 1 / c.fy_px);
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const Eigen::Vector3d& p = c.points_in_centred[i];
-    const Eigen::Vector2d u = c.pixels[i].cwiseProduct(pixel_to_normalised);
-    p_sum += p;
-    u_sum += u;
-    scatter.noalias() += p * p.transpose();
-    cross.noalias() += u * p.transpose();
-  }
-  const double n = static_cast<double>(c.size());
-  const Eigen::Vector3d p_mean = p_sum / n;  // of a part of the points it is not zero
-  const Eigen::Vector2d u_mean = u_sum / n;
-  scatter.noalias() -= p_sum * p_mean.transpose();
-  cross.noalias() -= u_sum * p_mean.transpose();
-  if (!is_clearly_solid(scatter)) return std::nullopt;
-
-  const Eigen::Matrix<double, 2, 3> affine = cross * scatter.inverse();
-  const std::optional<Eigen::Matrix3d> rotation = rotation_from_affine(affine);
-  if (!rotation) return std::nullopt;
-  const double scale = 0.5 * (affine * rotation->topRows<2>().transpose()).trace();
-  const double range = 1 / scale;
-  const double extent = std::sqrt(scatter.trace() / n);
-  if (!(extent < kWeakPerspective * range)) return std::nullopt;
-  const Eigen::Vector3d mean_in_cam = range * u_mean.homogeneous();
-  return Pose{*rotation, mean_in_cam - *rotation * p_mean};
-}
 
 std::vector<Pose> centred_starts(const Correspondences& c,
                                  const OrthogonalIterationOptions& options) {

@@ -4,10 +4,13 @@
 
 #include <vector>
 
+#include "pose/pose.h"
+#include "pose/reprojection.h"
 #include "pose/solver.h"
 
 namespace sightline {
 
+/// When orthogonal iteration stops.
 struct OrthogonalIterationOptions {
   int max_iterations = 200;
   /// Stops when the object-space error falls by less than this fraction in one iteration.
@@ -22,5 +25,9 @@ struct OrthogonalIterationOptions {
 /// perspective, coincide in the image). Every returned pose has all points in front of the camera.
 std::vector<Pose> orthogonal_iteration_starts(const PoseProblem& problem,
                                               const OrthogonalIterationOptions& options = {});
+
+/// The same for a prepared problem; the poses are cam_from_centred.
+std::vector<Pose> centred_starts(const Correspondences& c,
+                                 const OrthogonalIterationOptions& options);
 
 }  // namespace sightline

@@ -53,6 +53,11 @@ Eigen::Vector3d vector_from_rotation(const Eigen::Matrix3d& rotation) {
   return (2 * std::atan2(sine, wxyz[0]) / sine) * v;
 }
 
+Pose retract(const Pose& pose, const Vector6d& delta) {
+  return {rotation_from_vector(delta.head<3>()) * pose.rotation,
+          pose.translation + delta.tail<3>()};
+}
+
 double geodesic_angle_rad(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   const Eigen::Quaterniond a_from_b = quaternion_from_rotation(a.transpose() * b);
   return 2 * std::atan2(a_from_b.vec().norm(), std::abs(a_from_b.w()));

@@ -6,6 +6,11 @@
 
 namespace sightline {
 
+/// A small change (w, dt) of a pose: w a rotation vector in radians, dt in metres; and matrices
+/// over such changes, as are covariances of a pose.
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
 /// A rigid transform that takes coordinates in frame a to coordinates in frame b.
 /// Variables of this type are named `b_from_a`, points `x_in_a`, so that frames cancel:
 /// `x_in_cam = cam_from_target * x_in_target`. The rotation must be proper orthonormal.
@@ -33,6 +38,9 @@ Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& w_rad);
 
 /// The inverse of rotation_from_vector, |w| in [0, pi]. Stable near 0 and near pi.
 Eigen::Vector3d vector_from_rotation(const Eigen::Matrix3d& rotation);
+
+/// The pose (Exp(w) R, t + dt) that the change delta = (w, dt) leads to from the pose (R, t).
+Pose retract(const Pose& pose, const Vector6d& delta);
 
 /// The angle in [0, pi] of the rotation that takes one attitude to the other. Unlike a difference
 /// of Euler angles it has no gimbal lock. Accurate to 1e-15 rad near 0 and near pi.

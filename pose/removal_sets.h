@@ -15,6 +15,7 @@
 #include <Eigen/Core>
 
 #include "pose/kernels/removal_kernel.h"
+#include "pose/packed_points.h"
 #include "pose/reprojection.h"
 #include "pose/robust.h"
 

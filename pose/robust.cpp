@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 #include <Eigen/Cholesky>
@@ -112,12 +114,6 @@ double tail_probability(double false_alarm_rate, std::size_t n) {
 
 double squared_threshold(double false_alarm_rate, std::size_t n) {
   return -2 * std::log(tail_probability(false_alarm_rate, n));
-}
-
-std::size_t removal_limit(const OutlierOptions& options, std::size_t n) {
-  const std::size_t most = n > kMinimumKeptPoints ? n - kMinimumKeptPoints : 0;
-  if (!options.max_removed) return most;
-  return std::min(most, static_cast<std::size_t>(std::max(*options.max_removed, 0)));
 }
 
 double sigma_from_median(std::span<const double> squared_residuals) {

@@ -14,14 +14,13 @@
 
 #include <Eigen/Core>
 
+#include "pose/least_squares.h"
+#include "pose/minimise.h"
+#include "pose/packed_points.h"
 #include "pose/reprojection.h"
 #include "pose/solver.h"
 
 namespace sightline {
-
-/// A solver removes no point that would leave fewer: any three points are met exactly by some pose,
-/// so that it takes a fourth to contradict.
-inline constexpr std::size_t kMinimumKeptPoints = 4;
 
 /// Noise below this, stated or estimated, is rounding; noise above the other says nothing. (In
 /// pixels, or in whitened units where there are covariances.)
@@ -51,7 +50,8 @@ struct PreparedWhitened {
 /// negative or not finite.
 PreparedWhitened prepare_whitened(const PoseProblem& problem);
 
-/// As residual_px and reproject, whitened.
+/// The reprojection error of the point at `index`, alone or with its derivative (residual_px and
+/// reproject of pose/reprojection.h), multiplied by the point's whitening.
 std::optional<Eigen::Vector2d> whitened_residual(const WhitenedCorrespondences& c,
                                                  std::size_t index, const Pose& cam_from_centred);
 std::optional<Reprojection> whitened_reprojection(const WhitenedCorrespondences& c,
@@ -61,7 +61,8 @@ std::optional<Reprojection> whitened_reprojection(const WhitenedCorrespondences&
 std::vector<double> squared_residuals(const WhitenedCorrespondences& c,
                                       const Pose& cam_from_centred);
 
-/// The points for the kernel: r^T W_i^T W_i r, times a weight each where there are weights.
+/// The points packed for the kernel of least squares: the squared residual of each is
+/// r^T W_i^T W_i r, times its weight where there are weights.
 PackedPoints packed(const WhitenedCorrespondences& c, std::span<const double> weights = {});
 
 /// least_squares on whitened residuals; cost_px2 is the sum of their weighted squares.
@@ -75,12 +76,9 @@ LeastSquares whitened_least_squares(const WhitenedCorrespondences& c,
 /// is taken into [1e-12, 0.5].
 double squared_threshold(double false_alarm_rate, std::size_t n);
 
-/// The probability that one point exceeds it: 1 - (1 - rate)^(1/n).
+/// The probability that the residual of one point of noise exceeds that threshold:
+/// 1 - (1 - rate)^(1/n).
 double tail_probability(double false_alarm_rate, std::size_t n);
-
-/// How many of n points may be removed: OutlierOptions::max_removed, and never so many that fewer
-/// than kMinimumKeptPoints are left.
-std::size_t removal_limit(const OutlierOptions& options, std::size_t n);
 
 /// sigma from the median of squared residuals of a fit of six parameters: that of chi2_2 is 2 ln 2,
 /// and the fit takes six of the 2n degrees of freedom. At least kSmallestSigma.
@@ -199,11 +197,12 @@ RobustFit best_fit(std::span<const Pose> starts, const Fit& fit) {
   return best;
 }
 
-/// The sum of weight_i J_i^T J_i, whitened.
+/// The sum of weight_i J_i^T J_i over whitened Jacobians; zero where a point that has a weight is
+/// behind the camera.
 Matrix6d weighted_information(const WhitenedCorrespondences& c, const Pose& cam_from_centred,
                               std::span<const double> weights);
 
-/// An estimate that says why there is none.
+/// The estimate of a solver that has no pose; the status says why.
 PoseEstimate estimate_of_failure(PoseStatus status);
 
 /// The estimate of an M-estimator: the pose, the inverse of its weighted information, and as

@@ -4,40 +4,37 @@
 
 #include <array>
 
-#include "pose/reprojection.h"
 #include "pose/solvers/solvers.h"
 
 namespace sightline {
 namespace {
 
 constexpr std::array kCatalogue = {
-    PoseSolver{"lspe", "least squares on all points", kMinimumPosePoints, false, solve_lspe},
-    PoseSolver{"orpe", "minimax with removal of outliers, as the paper prints it",
-               kMinimumPosePoints, false, solve_orpe},
-    PoseSolver{"orpe_calibrated", "minimax with outward tests at a stated false-alarm rate",
-               kMinimumPosePoints, false, solve_orpe_calibrated},
-    PoseSolver{"orpe_tree", "the fewest removals whose minimax passes for noise",
-               kMinimumPosePoints, false, solve_orpe_tree},
-    PoseSolver{"orpe_weighed", "every small set of removals, weighed by likelihood",
-               kMinimumPosePoints, false, solve_orpe_weighed},
-    PoseSolver{"minimax", "exact minimax on all points", kMinimumPosePoints, false, solve_minimax},
-    PoseSolver{"minimax_two_step", "minimax on all points, attitude and position in turns",
-               kMinimumPosePoints, false, solve_minimax_two_step},
+    PoseSolver{"lspe", "least squares on all points", false, solve_lspe},
+    PoseSolver{"orpe", "minimax with removal of outliers, as the paper prints it", false,
+               solve_orpe},
+    PoseSolver{"orpe_calibrated", "minimax with outward tests at a stated false-alarm rate", false,
+               solve_orpe_calibrated},
+    PoseSolver{"orpe_tree", "the fewest removals whose minimax passes for noise", false,
+               solve_orpe_tree},
+    PoseSolver{"orpe_weighed", "every small set of removals, weighed by likelihood", false,
+               solve_orpe_weighed},
+    PoseSolver{"minimax", "exact minimax on all points", false, solve_minimax},
+    PoseSolver{"minimax_two_step", "minimax on all points, attitude and position in turns", false,
+               solve_minimax_two_step},
     PoseSolver{"drop_largest", "least squares, dropping the largest studentised residual in turn",
-               kMinimumPosePoints, false, solve_drop_largest},
-    PoseSolver{"huber", "Huber's M-estimator", kMinimumPosePoints, false, solve_huber},
-    PoseSolver{"huber_tukey", "Tukey's biweight M-estimator from Huber's", kMinimumPosePoints,
-               false, solve_huber_tukey},
-    PoseSolver{"gnc", "graduated non-convexity, Geman-McClure", kMinimumPosePoints, false,
-               solve_gnc},
-    PoseSolver{"ransac_p3p", "consensus over three-point poses, refined by least squares",
-               kMinimumPosePoints, false, solve_ransac_p3p},
+               false, solve_drop_largest},
+    PoseSolver{"huber", "Huber's M-estimator", false, solve_huber},
+    PoseSolver{"huber_tukey", "Tukey's biweight M-estimator from Huber's", false,
+               solve_huber_tukey},
+    PoseSolver{"gnc", "graduated non-convexity, Geman-McClure", false, solve_gnc},
+    PoseSolver{"ransac_p3p", "consensus over three-point poses, refined by least squares", false,
+               solve_ransac_p3p},
 #ifdef SIGHTLINE_POSE_OPENCV
     PoseSolver{"opencv_ransac", "OpenCV's solvePnPRansac with SQPnP, refined by least squares",
-               kMinimumPosePoints, false, solve_opencv_ransac},
+               false, solve_opencv_ransac},
 #endif
-    PoseSolver{"oracle", "least squares on the true inliers", kMinimumPosePoints, true,
-               solve_oracle},
+    PoseSolver{"oracle", "least squares on the true inliers", true, solve_oracle},
 };
 
 }  // namespace

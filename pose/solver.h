@@ -14,7 +14,10 @@
 
 namespace sightline {
 
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
+/// The fewest points that every solver needs. Three points have up to four poses: only an initial
+/// pose says which of them is meant.
+inline constexpr int kMinimumPosePoints = 4;
+inline constexpr int kMinimumPosePointsFromInitial = 3;
 
 /// What a pose solver is given: n points of the target and where the camera saw them.
 struct PoseProblem {
@@ -27,23 +30,44 @@ struct PoseProblem {
   /// Standard deviation of an inlier's noise in each coordinate, where there are no covariances; 0:
   /// not known. Solvers that need it estimate it then. LSPE and ORPE, as printed, do not.
   double sigma_px = 0;
-  /// Where to start. Without it solvers start from orthogonal iteration, which needs no truth.
+  /// Where to start. Without it solvers find starts of their own (pose/starts.h).
   std::optional<Pose> initial_cam_from_target;
   /// For the oracle alone, which exists for evaluation: which points are true inliers.
   std::vector<bool> true_inliers;
 };
 
+/// Whether a solver has a pose, or why it has none.
 enum class PoseStatus {
   kOk,
-  kTooFewPoints,  ///< fewer than the solver needs, or lists of different lengths
+  kTooFewPoints,  ///< fewer than kMinimumPosePoints, or lists of different lengths
   kDegenerate,    ///< the input does not determine a pose: points that are collinear or coincide,
                   ///< numbers that are not finite, a pixel that the lens model cannot undo
   kBehindCamera,  ///< the initial pose has a point behind the camera
   kDiverged,      ///< no convergence
 };
 
+/// The name that files give to a status.
 std::string_view to_string(PoseStatus status);
 
+/// How far a solver trusts its own estimate. A member without a value means that the solver has
+/// nothing to say of that question; what is said counts for status kOk alone.
+struct Diagnosis {
+  /// Whether another, clearly different pose explains the pixels nearly as well.
+  std::optional<bool> is_ambiguous;
+  /// The probability, between 0 and 1, that exactly the points of PoseEstimate::removed are the
+  /// outliers.
+  std::optional<double> removed_probability;
+  /// Whether the solver could remove no more points than it did, so that outliers may be left.
+  std::optional<bool> is_removal_limit_reached;
+  /// Whether the points that are kept fail the test for looking like noise of the size that is
+  /// known (orpe_tree: or was estimated). No value where the size is needed and not known.
+  std::optional<bool> is_test_failed;
+  /// The pose of least squares with exactly the points of PoseEstimate::removed left out, from a
+  /// solver whose cam_from_target is a mean over several sets of points.
+  std::optional<Pose> most_probable_cam_from_target;
+};
+
+/// A solver's answer to a problem.
 struct PoseEstimate {
   PoseStatus status = PoseStatus::kTooFewPoints;
   Pose cam_from_target;      ///< meaningful only with status kOk
@@ -52,19 +76,15 @@ struct PoseEstimate {
   /// pixel noise on the points as the solver weighed them (those that remove: on the kept ones).
   /// From the comparators (pose/robust.h), where there are covariances, for noise of those.
   Matrix6d unit_covariance = Matrix6d::Zero();
-  int iterations = 0;  ///< of the innermost optimiser, all calls together
-
-  // From orpe_weighed; others leave them as they are.
-  Pose most_probable_cam_from_target;  ///< with exactly `removed` removed
-  /// Of (w, dt): what the noise leaves, its size as stated or found, and the scatter of hypotheses.
-  Matrix6d covariance = Matrix6d::Zero();
-  double removed_probability = 1;  ///< of exactly `removed` being the outliers
-  bool is_ambiguous = false;       ///< another pose explains the pixels nearly as well
-  // From all that test what they keep.
-  bool is_removal_limit_reached = false;  ///< more outliers may be left than could be removed
-  bool is_test_failed = false;  ///< what is kept does not look like noise of the stated size
+  /// Covariance of (w, dt) as the solver itself believes it, noise of its true size and doubt about
+  /// the outliers included. Only orpe_weighed has one; of the others, unit_covariance times the
+  /// noise's variance is the covariance.
+  std::optional<Matrix6d> covariance;
+  std::optional<Diagnosis> diagnosis;  ///< none from solvers that do not judge their own answer
+  int iterations = 0;                  ///< of the innermost optimiser, all calls together
 };
 
+/// Options of the least-squares iteration.
 struct LspeOptions {
   int max_iterations = 100;
   /// Converged when a step turns by less than this angle and moves by less than this part of the
@@ -72,6 +92,7 @@ struct LspeOptions {
   double step_tolerance = 1e-10;
 };
 
+/// Options of the solver orpe.
 struct OrpeOptions {
   /// What the pose is the minimiser of, on the points that are left.
   enum class Final { kMinimax, kLeastSquares };
@@ -88,6 +109,7 @@ struct OutlierOptions {
   std::optional<int> max_removed;  ///< none: the solver's own limit, which its file states
 };
 
+/// What every solver is given; each takes from it what it needs.
 struct SolverOptions {
   LspeOptions lspe;
   OrpeOptions orpe;
@@ -100,7 +122,6 @@ struct SolverOptions {
 struct PoseSolver {
   std::string_view name;
   std::string_view summary;
-  int minimum_points;    ///< without an initial pose; with one, three may do
   bool evaluation_only;  ///< needs the truth; never in a default list
   PoseEstimate (*solve)(const PoseProblem& problem, const SolverOptions& options);
 };

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <opencv2/imgproc.hpp>
 
+#include "pose/angles.h"
 #include "scenes/random/random.h"
 
 namespace sightline {
@@ -22,7 +22,7 @@ cv::Mat uniform(double level, cv::Size size) {
 }
 
 cv::Mat sky(const Background& background, cv::Size size) {
-  const double angle = background.angle_deg * std::numbers::pi / 180;
+  const double angle = background.angle_deg * kDegree;
   const double right = std::cos(angle);
   const double down = std::sin(angle);
   // From the middle to the farthest pixel centre along the direction.

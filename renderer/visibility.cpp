@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "pose/kernels/multiversion.h"
+#include "pose/multiversion.h"
 
 namespace sightline {
 namespace {

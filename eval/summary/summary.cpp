@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "pose/angles.h"
 #include "pose/bounds.h"
 
 namespace sightline {
@@ -85,7 +86,6 @@ std::optional<TrialBound> bound_of(const Study& study, const Positions& position
   const auto bound = cramer_rao_bound(study.camera_of(trial.trial), points,
                                       trial.true_cam_from_target, covariances_px2);
   if (!bound) return std::nullopt;
-  constexpr double kDegree = std::numbers::pi / 180;
   return TrialBound{std::min(bound->attitude_rms_rad / kDegree, kAngleCapDeg),
                     std::min(100 * bound->translation_rms, kTranslationCapPercent),
                     std::min(bound->geodesic_rms_rad / kDegree, kAngleCapDeg)};

@@ -4,17 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "eval/output/text_table.h"
+#include "pose/angles.h"
 
 namespace sightline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 std::string percent(double rate) {
   return number_text(100 * rate, 1);

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 #include <Eigen/Geometry>
@@ -13,6 +12,7 @@
 
 #include "eval/target/silhouette.h"
 #include "eval/target/target_proposal.h"
+#include "pose/angles.h"
 #include "pose/attitude.h"
 #include "renderer/renderer.h"
 #include "scenes/files/input_error.h"
@@ -117,7 +117,6 @@ std::string silhouettes_text(const Target& target) {
 
 Scene picture_scene(const std::shared_ptr<const Target>& target,
                     const std::vector<double>& theta_deg) {
-  constexpr double kDegree = std::numbers::pi / 180;
   Scene scene;
   scene.target = target;
   scene.cam_from_target.rotation = rotation_from_attitude(

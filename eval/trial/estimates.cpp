@@ -5,17 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 
 #include "eval/trial/metrics.h"
+#include "pose/angles.h"
 #include "pose/attitude.h"
 
 namespace sightline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 double reprojection_rms_px(const PoseProblem& problem, const PoseEstimate& estimate) {
   double sum = 0;
@@ -50,10 +48,9 @@ void judge_removals(const TrialRecord& record, const FoundPoints& found,
 // noise scaled.
 std::optional<Matrix6d> reported_covariance(const PoseProblem& problem,
                                             const PoseEstimate& estimate) {
-  const bool has_own = !estimate.covariance.isZero(0);
   const double variance_px2 = problem.sigma_px * problem.sigma_px;
   const Matrix6d covariance =
-      has_own ? estimate.covariance : Matrix6d(variance_px2 * estimate.unit_covariance);
+      estimate.covariance.value_or(Matrix6d(variance_px2 * estimate.unit_covariance));
   if (covariance.isZero(0) || !covariance.allFinite()) return std::nullopt;
   return covariance;
 }

@@ -9,13 +9,12 @@
 #include <numbers>
 
 #include "eval/records/caps.h"
+#include "pose/angles.h"
 #include "pose/attitude.h"
 #include "scenes/scene/scene_law.h"
 
 namespace sightline {
 namespace {
-
-constexpr double kDegreeInRad = std::numbers::pi / 180;
 
 using Points = std::vector<Eigen::Vector3d>;
 
@@ -61,11 +60,11 @@ void add_errors(const OrientationEstimate& estimate, const Pose& truth, Orientat
   };
   const Pose& pose = estimate.b_from_a;
   sums.angle_error_deg +=
-      capped(mean_angle_error_rad(pose.rotation, truth.rotation) / kDegreeInRad, kAngleCapDeg);
+      capped(mean_angle_error_rad(pose.rotation, truth.rotation) / kDegree, kAngleCapDeg);
   sums.theta_error_deg +=
-      capped(attitude_error_rad(pose.rotation, truth.rotation) / kDegreeInRad, kAngleCapDeg);
+      capped(attitude_error_rad(pose.rotation, truth.rotation) / kDegree, kAngleCapDeg);
   sums.geodesic_deg +=
-      capped(geodesic_angle_rad(pose.rotation, truth.rotation) / kDegreeInRad, kAngleCapDeg);
+      capped(geodesic_angle_rad(pose.rotation, truth.rotation) / kDegree, kAngleCapDeg);
   sums.t_error_percent +=
       capped(100 * translation_error_fraction(pose.translation, truth.translation),
              kTranslationCapPercent);

@@ -93,7 +93,7 @@ std::optional<PosePrior> improved(const Task& task, const std::vector<Observatio
       find_pose_solver("orpe_weighed")->solve(problem, task.study.solving.options);
   if (estimate.status != PoseStatus::kOk) return std::nullopt;
   if (!passes_gate(task, prior.cam_from_target, estimate.cam_from_target)) return std::nullopt;
-  return PosePrior{estimate.cam_from_target, estimate.covariance};
+  return PosePrior{estimate.cam_from_target, estimate.covariance.value()};
 }
 
 // What is known of the target alone at that pose, free of noise.

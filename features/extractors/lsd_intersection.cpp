@@ -6,18 +6,17 @@
 // least-squares line through them; the feature is where the two lines meet.
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
 #include <opencv2/imgproc.hpp>
 
 #include "features/extractors/extractors.h"
 #include "features/image_line.h"
+#include "pose/angles.h"
 
 namespace sightline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // OpenCV's segments lie this far towards the image's origin, in u and in v. Measured; the test
 // Lsd.ItsShiftIsCorrected holds what is left of it to less than 0.05 px.
 constexpr double kShiftPx = 0.12;

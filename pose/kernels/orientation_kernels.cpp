@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The kernels in one version for each kind of CPU, chosen at the first call.
-// This file alone is compiled with -ffp-contract=fast (pose/CMakeLists.txt): where the CPU has a
+// It is compiled with -ffp-contract=fast (pose/CMakeLists.txt): where the CPU has a
 // fused multiply-add, sums of products are made of them.
 // (GCC's target_clones would do the same in fewer lines, but builds every vector through memory.)
 

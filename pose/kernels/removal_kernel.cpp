@@ -7,7 +7,7 @@
 
 #include "pose/kernels/factor.h"
 #include "pose/kernels/lanes.h"
-#include "pose/kernels/multiversion.h"
+#include "pose/multiversion.h"
 
 namespace sightline::kernel {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The inner loops of pose/solvers/orpe_weighed.cpp on plain arrays (see multiversion.h): the
+// The inner loops of pose/solvers/orpe_weighed.cpp on plain arrays (see pose/multiversion.h): the
 // problem linearised at a pose, and what the removal of every small set of points would change.
 #pragma once
 

@@ -10,12 +10,11 @@
 
 #include "pose/kernels/factor.h"
 #include "pose/kernels/lanes.h"
-#include "pose/kernels/multiversion.h"
+#include "pose/kernels/marquardt.h"
+#include "pose/multiversion.h"
 
 namespace sightline::kernel {
 namespace {
-
-constexpr double kEpsilon = 0x1p-52;
 
 /// (sum a, sum b, sum c, sum d).
 inline Lanes sums(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d) {
@@ -153,6 +152,57 @@ inline bool is_in_front(const PointLanes* points, std::size_t count, const Rigid
   return !is_any(is_behind);
 }
 
+/// The fit of a pose to packed points, as the iteration of marquardt.h asks for it.
+class LanesFit {
+ public:
+  LanesFit(const PointLanes* lanes, std::size_t count, const RigidPose& start, double tolerance)
+      : lanes_(lanes), count_(count), tolerance_(tolerance) {
+    best().pose = start;
+  }
+
+  bool evaluate_start() { return evaluate(lanes_, count_, best().pose, best().model); }
+  bool propose(double damping) {
+    return solve_by_blocks(best().model.hessian, damping, best().model.gradient, delta_);
+  }
+  bool is_short_step() const { return is_short(delta_, best().pose, tolerance_); }
+  double promise(double damping) const { return promised_decrease(best().model, delta_, damping); }
+  double cost() const { return best().model.cost; }
+  bool evaluate_candidate() {
+    candidate().pose = moved(best().pose, delta_);
+    return evaluate(lanes_, count_, candidate().pose, candidate().model);
+  }
+  double candidate_cost() const { return candidate().model.cost; }
+  void accept() { best_ = 1 - best_; }
+  /// Shorter than the tolerance, the step is not worth another evaluation: the model stays that of
+  /// the pose before it.
+  void take_last_step() {
+    const RigidPose last = moved(best().pose, delta_);
+    if (is_in_front(lanes_, count_, last)) best().pose = last;
+  }
+
+  const RigidPose& pose() const { return best().pose; }
+  const NormalEquations& model() const { return best().model; }
+
+ private:
+  struct Place {
+    RigidPose pose;
+    NormalEquations model;
+  };
+  Place& best() { return places_[best_]; }
+  const Place& best() const { return places_[best_]; }
+  Place& candidate() { return places_[1 - best_]; }
+  const Place& candidate() const { return places_[1 - best_]; }
+
+  const PointLanes* lanes_;
+  std::size_t count_;
+  double tolerance_;
+  double delta_[6];
+  /// One is the best so far and the other the candidate. When a candidate is accepted they change
+  /// parts: to copy one takes as long as a third of an evaluation.
+  Place places_[2];
+  int best_ = 0;
+};
+
 }  // namespace
 
 SIGHTLINE_MULTIVERSION
@@ -164,61 +214,11 @@ bool normal_equations(const PointLanes* lanes, std::size_t count, const RigidPos
 SIGHTLINE_MULTIVERSION
 Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int max_iterations,
         double step_tolerance) {
-  constexpr double kInitialDamping = 1e-5;
-  constexpr double kSmallestDamping = 1e-12;
-  constexpr double kDampingFactor = 10;
-  /// Damping that shortens steps noticeably: a short step then does not mean convergence.
-  constexpr double kHeavyDamping = 0.1;
-
-  // Below this steps are rounding; it stands for tolerances that are no numbers as well.
-  constexpr double kSmallestTolerance = 1e-14;
-  const double tolerance =
-      step_tolerance > kSmallestTolerance ? step_tolerance : kSmallestTolerance;
-
+  LanesFit problem(lanes, count, start, usable_tolerance(step_tolerance));
   Fit result;
-  result.status = FitStatus::kStartBehindCamera;
-  result.iterations = 0;
-  result.pose = start;
-  // Of two models one is of the best pose and one of the candidate: they change places, for copying
-  // one takes as long as a third of an evaluation.
-  NormalEquations models[2];
-  int best = 0;
-  if (!evaluate(lanes, count, start, models[best])) return result;
-  result.status = FitStatus::kNotConverged;
-  double damping = kInitialDamping;
-  while (result.iterations < max_iterations) {
-    ++result.iterations;
-    const NormalEquations& model = models[best];
-    double delta[6];
-    if (!solve_by_blocks(model.hessian, damping, model.gradient, delta)) {
-      damping *= kDampingFactor;
-      continue;
-    }
-    const bool is_end = is_short(delta, result.pose, tolerance) ||
-                        promised_decrease(model, delta, damping) < kEpsilon * model.cost;
-    const RigidPose candidate = moved(result.pose, delta);
-    if (is_end && damping < kHeavyDamping) {
-      if (is_in_front(lanes, count, candidate)) result.pose = candidate;
-      result.status = FitStatus::kConverged;
-      break;
-    }
-    // Near the minimum costs differ by rounding only: an equal one is as good.
-    const bool is_better = evaluate(lanes, count, candidate, models[1 - best]) &&
-                           models[1 - best].cost <= model.cost * (1 + 8 * kEpsilon);
-    if (is_better) {
-      result.pose = candidate;
-      best = 1 - best;
-      damping =
-          damping > kSmallestDamping * kDampingFactor ? damping / kDampingFactor : kSmallestDamping;
-      continue;
-    }
-    if (is_end) {
-      result.status = FitStatus::kConverged;
-      break;
-    }
-    damping *= kDampingFactor;
-  }
-  result.model = models[best];
+  result.status = marquardt(problem, max_iterations, result.iterations);
+  result.pose = problem.pose();
+  if (result.status != FitStatus::kStartBehindCamera) result.model = problem.model();
   return result;
 }
 

@@ -1,12 +1,15 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: Apache-2.0
 //
-// The inner loop of everything that minimises reprojection errors, on plain arrays (see
-// multiversion.h). pose/reprojection.h is its face; reproject() there is the plain version that the
-// tests hold this one to.
+// The inner loop of everything that minimises reprojection errors. It works on plain arrays, so
+// that it may be compiled for several kinds of processor (pose/multiversion.h). PackedPoints
+// (pose/packed_points.h) is its face; reproject() in pose/reprojection.h is the plain version that
+// the tests hold this one to.
 #pragma once
 
 #include <cstddef>
+
+#include "pose/kernels/marquardt.h"
 
 namespace sightline::kernel {
 
@@ -39,8 +42,6 @@ struct NormalEquations {
 bool normal_equations(const PointLanes* lanes, std::size_t count, const RigidPose& pose,
                       NormalEquations& model);
 
-enum class FitStatus { kConverged, kStartBehindCamera, kNotConverged };
-
 struct Fit {
   FitStatus status;
   int iterations;
@@ -48,9 +49,10 @@ struct Fit {
   NormalEquations model;  ///< one step, shorter than the tolerance, before `pose`
 };
 
-/// Marquardt's method from one start. Converged when a step that damping hardly shortens turns by
-/// less than `step_tolerance` radians and moves by less than that part of the range, or promises
-/// less than rounding; that step is still taken, and not looked at again.
+/// Marquardt's method (pose/kernels/marquardt.h) from one start. A step is short when it turns by
+/// less than `step_tolerance` radians and moves by less than that part of the range. The short step
+/// with which it converges is still taken, unless it leads behind the camera, and not looked at
+/// again. Of a start behind the camera no model is given.
 Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int max_iterations,
         double step_tolerance);
 

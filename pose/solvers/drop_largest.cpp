@@ -23,11 +23,14 @@
 // It looks at one point at a time: of several outliers each may hide the other.
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/LU>
 
+#include "pose/removal_limits.h"
 #include "pose/robust.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {

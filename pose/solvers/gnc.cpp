@@ -25,6 +25,7 @@
 
 #include "pose/robust.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {

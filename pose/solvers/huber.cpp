@@ -19,6 +19,7 @@
 
 #include "pose/robust.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 

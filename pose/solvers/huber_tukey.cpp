@@ -15,6 +15,7 @@
 
 #include "pose/robust.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {

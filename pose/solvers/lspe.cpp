@@ -20,62 +20,12 @@
 // lock at 90 degrees of yaw. Residuals are those of the undistorted pixels (the paper's camera has
 // no distortion). Covariances of pixels are ignored, as in the paper.
 
+#include "pose/least_squares.h"
 #include "pose/reprojection.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
-namespace {
-
-/// Of two outcomes the one to keep: success before failure, then the lower cost.
-bool is_preferable(const kernel::Fit& a, const kernel::Fit& b) {
-  if (a.status != b.status) return a.status == kernel::FitStatus::kConverged;
-  return a.model.cost < b.model.cost;
-}
-
-PoseStatus status_of(const kernel::Fit& fit) {
-  switch (fit.status) {
-    case kernel::FitStatus::kConverged:
-      return PoseStatus::kOk;
-    case kernel::FitStatus::kStartBehindCamera:
-      return PoseStatus::kBehindCamera;
-    case kernel::FitStatus::kNotConverged:
-      break;
-  }
-  return PoseStatus::kDiverged;
-}
-
-}  // namespace
-
-LeastSquares least_squares(const Correspondences& c, std::span<const Pose> cam_from_centred_starts,
-                           const LspeOptions& options, std::span<const double> weights) {
-  return least_squares(PackedPoints(c, weights), cam_from_centred_starts, options);
-}
-
-LeastSquares least_squares(const PackedPoints& points,
-                           std::span<const Pose> cam_from_centred_starts,
-                           const LspeOptions& options) {
-  LeastSquares result;
-  if (cam_from_centred_starts.empty()) {
-    result.status = PoseStatus::kDegenerate;
-    return result;
-  }
-  kernel::Fit best;
-  for (const Pose& start : cam_from_centred_starts) {
-    const kernel::Fit fit = points.fit(start, options.max_iterations, options.step_tolerance);
-    result.iterations += fit.iterations;
-    if (&start == cam_from_centred_starts.data() || is_preferable(fit, best)) best = fit;
-  }
-  result.status = status_of(best);
-  result.cam_from_centred = pose_from(best.pose);
-  result.cost_px2 = 2 * best.model.cost;
-  if (result.status != PoseStatus::kOk) return result;
-
-  const std::optional<Matrix6d> covariance = inverse_of(best.model);
-  if (covariance) result.unit_covariance = *covariance;
-  if (!covariance) result.status = PoseStatus::kDegenerate;
-  return result;
-}
-
 namespace {
 
 /// Beyond this turn a start is no guess at the minimum it led to: in one of some hundred clouds of

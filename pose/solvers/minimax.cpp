@@ -18,8 +18,10 @@
 
 #include "pose/minimax.h"
 
+#include "pose/fit_points.h"
 #include "pose/reprojection.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 

@@ -28,9 +28,11 @@
 #include <limits>
 #include <optional>
 
+#include "pose/fit_points.h"
 #include "pose/minimax.h"
 #include "pose/reprojection.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {

@@ -19,12 +19,16 @@
 // their size.
 
 #include <algorithm>
+#include <cmath>
 
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
+#include "pose/point_spread.h"
+#include "pose/removal_limits.h"
 #include "pose/robust.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {

@@ -8,7 +8,6 @@
 // Needs true_inliers, one a point, at least four of them true, or three with an initial pose;
 // else kTooFewPoints.
 
-#include "pose/reprojection.h"
 #include "pose/solvers/solvers.h"
 
 namespace sightline {

@@ -42,9 +42,12 @@
 #include <cmath>
 #include <numeric>
 
+#include "pose/fit_points.h"
 #include "pose/minimax.h"
+#include "pose/minimise.h"
 #include "pose/reprojection.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {

@@ -9,7 +9,7 @@
 //      multiplier; M_j is the minimax of the n - j points that are left.
 //   2. For j = k .. 1: if Lambda_j = M_{j-1} / M_j >= rho_j, stop: the first j points removed are
 //      the outliers. Where the noise is known: if M_{j-1} > sigma_px^2 q_{j-1}. (If even M_k is,
-//      some outlier was not found: is_test_failed is set, and Lambda decides.)
+//      some outlier was not found: the diagnosis says is_test_failed, and Lambda decides.)
 //   3. The pose is that of least squares on what is left.
 //
 // rho_j is the quantile of Lambda for n - j + 1 points without outliers at a part of
@@ -35,10 +35,13 @@
 #include <limits>
 #include <numeric>
 
+#include "pose/fit_points.h"
 #include "pose/minimax.h"
 #include "pose/minimax_null.h"
+#include "pose/removal_limits.h"
 #include "pose/reprojection.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {
@@ -133,7 +136,7 @@ PoseEstimate solve_orpe_calibrated(const PoseProblem& problem, const SolverOptio
     estimate.status = PoseStatus::kDiverged;
     return estimate;
   }
-  const std::size_t limit = minority_limit(c.size(), options.outliers);
+  const std::size_t limit = minority_limit(options.outliers, c.size());
   std::vector<Stage> stages = {std::move(*stage)};
   while (stages.size() <= limit) {
     std::vector<int> kept = stages.back().kept;
@@ -146,10 +149,11 @@ PoseEstimate solve_orpe_calibrated(const PoseProblem& problem, const SolverOptio
   const double rate = options.outliers.false_alarm_rate;
   std::optional<std::size_t> by_residual;
   if (problem.sigma_px > 0) by_residual = test_residuals(stages, problem.sigma_px, rate);
-  estimate.is_test_failed = problem.sigma_px > 0 && !by_residual;
   const std::size_t removals = by_residual ? *by_residual : test_ratios(stages, rate);
   const Stage& last = stages[removals];
-  estimate.is_removal_limit_reached = removals > 0 && removals == limit;
+  Diagnosis& diagnosis = estimate.diagnosis.emplace();
+  diagnosis.is_removal_limit_reached = removals > 0 && removals == limit;
+  if (problem.sigma_px > 0) diagnosis.is_test_failed = !by_residual;
   std::set_difference(all.begin(), all.end(), last.kept.begin(), last.kept.end(),
                       std::back_inserter(estimate.removed));
   return with_least_squares(std::move(estimate), {c, last.kept, {}}, last.cam_from_centred,

@@ -19,7 +19,7 @@
 // Needs four points that are not collinear, or three with an initial pose. Removes fewer than half
 // of the points, or at most OutlierOptions::max_removed, and leaves at least two redundant
 // coordinates, 2 (n - k) - 6 >= 2; tries at most kMaxSets sets. If none passes, the set of least
-// M(S) / q is taken, and is_removal_limit_reached and is_test_failed say so.
+// M(S) / q is taken, and the diagnosis says is_removal_limit_reached and is_test_failed.
 //
 // Noise: from covariances_px2 if there are any, by which residuals and the final pose are whitened
 // (carried through the lens; the quantiles are those of noise alike in all directions: with
@@ -37,6 +37,7 @@
 // start shows; with two outliers of 1000 px in 57 of 60.)
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <numeric>
 #include <optional>
@@ -44,11 +45,14 @@
 
 #include <Eigen/Cholesky>
 
+#include "pose/fit_points.h"
 #include "pose/minimax.h"
 #include "pose/minimax_null.h"
+#include "pose/removal_limits.h"
 #include "pose/reprojection.h"
 #include "pose/robust.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {
@@ -175,15 +179,16 @@ PoseEstimate solve_orpe_tree(const PoseProblem& problem, const SolverOptions& op
   if (levels.empty()) return estimate;
 
   Node best = *best_of(levels);
-  const std::size_t limit = minority_limit(n, options.outliers);
+  const std::size_t limit = minority_limit(options.outliers, n);
   for (std::size_t removals = 0; !best.is_passed() && removals < limit; ++removals) {
     for (std::vector<Node>& level : levels) level = search.children(level);
     const Node* level_best = best_of(levels);
     if (!level_best) break;
     if (level_best->excess < best.excess) best = *level_best;
   }
-  estimate.is_test_failed = !best.is_passed();
-  estimate.is_removal_limit_reached = !best.is_passed();
+  Diagnosis& diagnosis = estimate.diagnosis.emplace();
+  diagnosis.is_test_failed = !best.is_passed();
+  diagnosis.is_removal_limit_reached = !best.is_passed();
   estimate.iterations = search.iterations();
   std::set_difference(all.begin(), all.end(), best.kept.begin(), best.kept.end(),
                       std::back_inserter(estimate.removed));

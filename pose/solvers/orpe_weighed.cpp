@@ -43,8 +43,11 @@
 
 #include <Eigen/LU>
 
+#include "pose/packed_points.h"
 #include "pose/removal_sets.h"
+#include "pose/reprojection.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {
@@ -450,14 +453,15 @@ PoseEstimate solve_orpe_weighed(const PoseProblem& problem, const SolverOptions&
   const Pose& pose = is_mean_usable ? answer->mean : most_probable->pose;
   estimate.status = PoseStatus::kOk;
   estimate.cam_from_target = from_centred(pose, c);
-  estimate.most_probable_cam_from_target = from_centred(most_probable->pose, c);
   estimate.removed.assign(removed.span().begin(), removed.span().end());
   estimate.unit_covariance = covariance_from_centred(most_probable->unit_covariance, pose, c);
   estimate.covariance = covariance_from_centred(answer->covariance, pose, c);
-  estimate.removed_probability = answer->best_probability;
-  estimate.is_ambiguous = answer->is_ambiguous;
-  estimate.is_removal_limit_reached = s.max_removed > 0 && removed.size == s.max_removed;
-  estimate.is_test_failed = s.is_sigma_known && !is_explained(s, answer->best);
+  Diagnosis& diagnosis = estimate.diagnosis.emplace();
+  diagnosis.is_ambiguous = answer->is_ambiguous;
+  diagnosis.removed_probability = answer->best_probability;
+  diagnosis.is_removal_limit_reached = s.max_removed > 0 && removed.size == s.max_removed;
+  if (s.is_sigma_known) diagnosis.is_test_failed = !is_explained(s, answer->best);
+  diagnosis.most_probable_cam_from_target = from_centred(most_probable->pose, c);
   return estimate;
 }
 

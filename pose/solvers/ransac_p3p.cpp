@@ -29,12 +29,17 @@
 // how they are given (canonical_order).
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 
 #include "pose/p3p.h"
+#include "pose/removal_limits.h"
 #include "pose/robust.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {

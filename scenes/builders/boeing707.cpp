@@ -3,20 +3,19 @@
 #include "scenes/builders/boeing707.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "pose/angles.h"
 #include "scenes/builders/boeing707_fuselage.h"
 #include "scenes/builders/solid.h"
 
 namespace sightline {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 // Above the turn between neighbouring facets of a round surface (46 degrees at the leading edges of
 // wing and tail), below every crease.
 constexpr double kCreaseAngleRad = 55 * kDegree;

@@ -5,15 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "pose/angles.h"
+
 namespace sightline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // Outline of the fuselage: a cross-section is half an ellipse above its widest line and half
 // another below. Heights are above the fuselage axis. All rows are estimates, by eye.

@@ -8,7 +8,7 @@
 #include <bit>
 #include <cmath>
 
-#include "pose/kernels/multiversion.h"
+#include "pose/multiversion.h"
 
 namespace sightline::kernel {
 namespace {

@@ -15,12 +15,13 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "pose/angles.h"
+
 namespace sightline {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kMaxBendDeg = 15;       // between neighbouring edges of one chain
 constexpr size_t kMaxEdges = 4000;       // the longest; pairs are formed of them
 constexpr size_t kMaxCandidates = 400;   // each takes thousands of rays

@@ -24,7 +24,7 @@ int main() {
   if (estimate.status != sightline::PoseStatus::kOk) return 1;
 
   const Eigen::Vector3d& t = estimate.cam_from_target.translation;
-  const double range_sd = std::sqrt(estimate.covariance(5, 5));
+  const double range_sd = std::sqrt((*estimate.covariance)(5, 5));
   std::printf("target at (%.2f, %.2f, %.2f) m, sd %.2f in z\n", t.x(), t.y(), t.z(), range_sd);
   for (const int i : estimate.removed) {
     std::printf("point %d was seen badly\n", i);

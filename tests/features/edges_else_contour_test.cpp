@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // A plate seen edge-on, and a plate before another one.
-#include <numbers>
 #include <vector>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "pose/angles.h"
 #include "tests/features/plate.h"
 
 namespace sightline {
@@ -42,7 +42,6 @@ cv::Mat coverage_of(const Pose& pose, const std::vector<Eigen::Vector3d>& corner
 
 // Turned about its middle, so that it is a bar 100 px long and 2.6 px wide.
 Pose edge_on_pose() {
-  constexpr double kDegree = std::numbers::pi / 180;
   const Eigen::Matrix3d tilt = rotation_from_vector({88.5 * kDegree, 0, 0});
   return {rotation_from_vector({0, 0, 20 * kDegree}) * tilt, {0.02, -0.03, 100}};
 }

@@ -5,20 +5,19 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
 #include <set>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 #include <opencv2/imgproc.hpp>
 
+#include "pose/angles.h"
 #include "scenes/random/random.h"
 
 namespace sightline {
 namespace {
 
 constexpr int kSize = 120;
-constexpr double kDegree = std::numbers::pi / 180;
 
 // A wedge with its tip at `tip`, opening between two directions (degrees, u right, v down), bright
 // on dark, blurred and noisy as a frame is.

@@ -6,12 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include "pose/angles.h"
 #include "scenes/builders/cube.h"
 #include "scenes/target/target.h"
 #include "tests/features/plate.h"
@@ -22,7 +22,6 @@ namespace {
 
 constexpr double kBlurPx = 0.7;
 constexpr int kGreys = facet_parameter::kGreys;
-const double kDegree = std::numbers::pi / 180;
 
 Camera camera() {
   return centred_camera(kPlateImagePx, kPlateImagePx, 8000);

@@ -7,13 +7,13 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include <Eigen/Core>
 #include <opencv2/imgproc.hpp>
 
 #include "features/extractor.h"
+#include "pose/angles.h"
 #include "scenes/random/random.h"
 
 namespace sightline {
@@ -52,7 +52,7 @@ inline Target plate_target() {
 }
 
 inline Pose plate_pose(double roll_deg, const Eigen::Vector2d& shift_m = Eigen::Vector2d::Zero()) {
-  const double roll = roll_deg * std::numbers::pi / 180;
+  const double roll = roll_deg * kDegree;
   return {rotation_from_vector({0, 0, roll}), {shift_m.x(), shift_m.y(), 100}};
 }
 

@@ -12,7 +12,7 @@ namespace sightline {
 namespace {
 
 Attitude in_degrees(double pitch, double yaw, double roll) {
-  return {pitch * kRadFromDeg, yaw * kRadFromDeg, roll * kRadFromDeg};
+  return {pitch * kDegree, yaw * kDegree, roll * kDegree};
 }
 
 TEST(Attitude, IsRollAfterYawAfterPitch) {
@@ -70,7 +70,7 @@ TEST(Attitude, RollIsZeroInGimbalLock) {
 TEST(AttitudeError, IsTheRootMeanSquareOfTheAngles) {
   const Eigen::Matrix3d truth = rotation_from_attitude(in_degrees(10, 20, 30));
   const Eigen::Matrix3d estimated = rotation_from_attitude(in_degrees(11, 18, 32));
-  EXPECT_NEAR(attitude_error_rad(estimated, truth), std::sqrt((1 + 4 + 4) / 3.0) * kRadFromDeg,
+  EXPECT_NEAR(attitude_error_rad(estimated, truth), std::sqrt((1 + 4 + 4) / 3.0) * kDegree,
               kRotationRounding);
   EXPECT_EQ(attitude_error_rad(truth, truth), 0);
 }
@@ -78,7 +78,7 @@ TEST(AttitudeError, IsTheRootMeanSquareOfTheAngles) {
 TEST(AttitudeError, WrapsAroundTheHalfTurn) {
   const Eigen::Matrix3d truth = rotation_from_attitude(in_degrees(179, 0, -179));
   const Eigen::Matrix3d estimated = rotation_from_attitude(in_degrees(-179, 0, 179));
-  EXPECT_NEAR(attitude_error_rad(estimated, truth), std::sqrt(8 / 3.0) * kRadFromDeg,
+  EXPECT_NEAR(attitude_error_rad(estimated, truth), std::sqrt(8 / 3.0) * kDegree,
               kRotationRounding);
 }
 

@@ -30,7 +30,7 @@ TEST(CramerRaoBound, OfTheCubeSetting) {
     geodesic2 += bound.geodesic_rms_rad * bound.geodesic_rms_rad / kPoses;
     translation2 += bound.translation_rms * bound.translation_rms / kPoses;
   }
-  EXPECT_NEAR(std::sqrt(geodesic2) / kRadFromDeg, 0.445, kSampling * 0.445);
+  EXPECT_NEAR(std::sqrt(geodesic2) / kDegree, 0.445, kSampling * 0.445);
   EXPECT_NEAR(std::sqrt(translation2), 0.0020, kSampling * 0.0020);
 }
 

@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
+#include "pose/angles.h"
 #include "pose/pose.h"
 #include "pose/solver.h"
 
@@ -17,7 +18,6 @@ namespace sightline {
 
 inline constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 inline constexpr double kPi = std::numbers::pi;
-inline constexpr double kRadFromDeg = kPi / 180;
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -32,8 +32,8 @@ inline testing::AssertionResult is_rotation_near(const Eigen::Matrix3d& actual,
   const double angle_rad = geodesic_angle_rad(actual, expected);
   if (!(angle_rad <= tolerance_rad)) {
     return testing::AssertionFailure()
-           << "rotations differ by " << angle_rad / kRadFromDeg << " deg, allowed "
-           << tolerance_rad / kRadFromDeg << " deg\nactual\n"
+           << "rotations differ by " << angle_rad / kDegree << " deg, allowed "
+           << tolerance_rad / kDegree << " deg\nactual\n"
            << actual << "\nexpected\n"
            << expected;
   }

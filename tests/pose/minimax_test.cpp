@@ -7,8 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include "pose/least_squares.h"
 #include "pose/reprojection.h"
+#include "pose/starts.h"
 #include "tests/pose/matchers.h"
+#include "tests/pose/solvers/solving.h"
 #include "tests/pose/synthetic.h"
 
 namespace sightline {
@@ -16,30 +19,14 @@ namespace {
 
 constexpr double kSupportMultiplier = 1e-6;
 
-/// A noisy cube, with an outlier in every second one.
-Correspondences cube(int i, double sigma_px, Draw& draw) {
-  Synthetic s = cube_problem(sigma_px, draw);
-  if (i % 2) add_outlier(s.problem, draw.index(8), draw.uniform(15, 30), draw);
-  return prepare(s.problem).correspondences;
-}
-
 Minimax fit(const FitPoints& points) {
   return minimax(points, starting_poses(points.correspondences, std::nullopt), {});
-}
-
-double largest_px2(const Correspondences& c, const Pose& pose) {
-  double largest = 0;
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const auto r = residual_px(c, i, pose);
-    largest = std::max(largest, r ? r->squaredNorm() : kInfinity);
-  }
-  return largest;
 }
 
 TEST(Minimax, IsProvenByItsMultipliers) {
   Draw draw(1);
   for (int i = 0; i < 200; ++i) {
-    const Correspondences c = cube(i, draw.uniform(0.1, 4), draw);
+    const Correspondences c = noisy_cube(i, draw.uniform(0.1, 4), draw);
     const Minimax m = fit({c, {}, {}});
     ASSERT_EQ(m.status, PoseStatus::kOk);
     EXPECT_LE(m.relative_gap, kMinimaxGap);
@@ -56,7 +43,7 @@ TEST(Minimax, IsProvenByItsMultipliers) {
 TEST(Minimax, OtherWeightsProveLess) {
   Draw draw(2);
   for (int i = 0; i < 20; ++i) {
-    const Correspondences c = cube(i, 1, draw);
+    const Correspondences c = noisy_cube(i, 1, draw);
     const Minimax m = fit({c, {}, {}});
     const std::vector<double> even(8, 1.0 / 8);
     const LeastSquares bound = least_squares(c, {&m.cam_from_centred, 1}, {}, even);
@@ -67,7 +54,7 @@ TEST(Minimax, OtherWeightsProveLess) {
 TEST(Minimax, NoPerturbationLowersIt) {
   Draw draw(3);
   for (int i = 0; i < 20; ++i) {
-    const Correspondences c = cube(i, 1, draw);
+    const Correspondences c = noisy_cube(i, 1, draw);
     const Minimax m = fit({c, {}, {}});
     for (int k = 0; k < 500; ++k) {
       const double size = std::pow(10, draw.uniform(-6, 0));
@@ -83,7 +70,7 @@ TEST(Minimax, NoPerturbationLowersIt) {
 TEST(Minimax, TheSupportAloneHasIt) {
   Draw draw(4);
   for (int i = 0; i < 50; ++i) {
-    const Correspondences c = cube(i, 1, draw);
+    const Correspondences c = noisy_cube(i, 1, draw);
     const Minimax all = fit({c, {}, {}});
     std::vector<int> support;
     for (int k = 0; k < 8; ++k) {
@@ -191,7 +178,7 @@ TEST(Minimax, NumbersThatOverflowGiveNoNaN) {
 TEST(Minimax, OnlyTheFreePartMoves) {
   Draw draw(11);
   for (int i = 0; i < 20; ++i) {
-    const Correspondences c = cube(i, 1, draw);
+    const Correspondences c = noisy_cube(i, 1, draw);
     const std::vector<Pose> starts = starting_poses(c, std::nullopt);
     const Pose begin = least_squares(c, starts, {}).cam_from_centred;
     const double joint = minimax_from({c, {}, {}}, begin).largest_px2;
@@ -211,130 +198,15 @@ TEST(Minimax, OnlyTheFreePartMoves) {
   }
 }
 
-TEST(FitPoints, WhiteningMultipliesResidualAndJacobian) {
-  Draw draw(12);
-  const Correspondences c = cube(0, 1, draw);
-  std::vector<Eigen::Matrix2d> whitening(8, Eigen::Matrix2d::Identity());
-  whitening[3] << 2, 0.5, 0, 3;
-  const std::vector<int> kept = {1, 3};
-  const FitPoints points = {c, kept, whitening};
-  const Pose pose = starting_poses(c, std::nullopt).front();
-  const auto plain = reproject(c, 3, pose);
-  const auto whitened = reproject(points, 1, pose);
-  ASSERT_TRUE(plain && whitened);
-  EXPECT_EQ(points.size(), 2u);
-  EXPECT_TRUE(is_matrix_near(whitened->residual_px, whitening[3] * plain->residual_px, 1e-12));
-  EXPECT_TRUE(is_matrix_near(whitened->jacobian, whitening[3] * plain->jacobian, 1e-9));
-}
-
 TEST(FitPoints, WhiteningByANumberScalesTheMinimaxAndMovesNothing) {
   Draw draw(13);
-  const Correspondences c = cube(1, 1, draw);
+  const Correspondences c = noisy_cube(1, 1, draw);
   const std::vector<Eigen::Matrix2d> thirds(8, Eigen::Matrix2d::Identity() / 3);
   const Minimax plain = fit({c, {}, {}});
   const Minimax scaled = fit({c, {}, thirds});
   ASSERT_EQ(scaled.status, PoseStatus::kOk);
   EXPECT_NEAR(9 * scaled.largest_px2, plain.largest_px2, 1e-6 * plain.largest_px2);
   EXPECT_TRUE(is_pose_near(scaled.cam_from_centred, plain.cam_from_centred, 1e-6, 1e-4));
-}
-
-TEST(FitPoints, LeastSquaresWeighsByTheWhiteningAsItIs) {
-  // Not symmetric: its square in the cost is the transposed times itself, not itself twice.
-  Draw draw(15);
-  const Correspondences c = cube(0, 1, draw);
-  std::vector<Eigen::Matrix2d> whitening(8);
-  for (int i = 0; i < 8; ++i) whitening[i] << 2, 1.5 - 0.3 * i, 0, 1;
-  const FitPoints points = {c, {}, whitening};
-  const LeastSquares fit = least_squares(points, starting_poses(c, std::nullopt), {});
-  ASSERT_EQ(fit.status, PoseStatus::kOk);
-  double cost_px2 = 0;
-  Vector6d gradient = Vector6d::Zero();
-  double scale = 0;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto r = reproject(points, i, fit.cam_from_centred);
-    ASSERT_TRUE(r);
-    cost_px2 += r->residual_px.squaredNorm();
-    gradient += r->jacobian.transpose() * r->residual_px;
-    scale += r->jacobian.norm() * r->residual_px.norm();
-  }
-  EXPECT_NEAR(fit.cost_px2, cost_px2, 1e-9 * cost_px2);
-  EXPECT_LT(gradient.norm(), 1e-6 * scale);
-}
-
-TEST(FitPoints, LeastSquaresLeavesOutWhatIsNotKept) {
-  Draw draw(14);
-  Synthetic s = cube_problem(1, draw);
-  add_outlier(s.problem, 5, 30, draw);
-  const Correspondences c = prepare(s.problem).correspondences;
-  const std::vector<Pose> starts = starting_poses(c, std::nullopt);
-  const std::vector<int> kept = {0, 1, 2, 3, 4, 6, 7};
-  const std::vector<Eigen::Matrix2d> ones(8, Eigen::Matrix2d::Identity());
-  const LeastSquares expected = least_squares(without(c, 5), starts, {});
-  for (const LeastSquares& actual :
-       {least_squares({c, kept, {}}, starts, {}), least_squares({c, kept, ones}, starts, {})}) {
-    ASSERT_EQ(actual.status, PoseStatus::kOk);
-    EXPECT_TRUE(is_pose_near(actual.cam_from_centred, expected.cam_from_centred, 1e-8, 1e-6));
-    EXPECT_NEAR(actual.cost_px2, expected.cost_px2, 1e-9 * expected.cost_px2);
-    EXPECT_TRUE(is_matrix_near(actual.unit_covariance, expected.unit_covariance,
-                               1e-6 * expected.unit_covariance.norm()));
-  }
-}
-
-TEST(RemovalLimit, LeavesAMajorityAndTwoRedundantCoordinates) {
-  const OutlierOptions unsaid;
-  const std::vector<std::size_t> expected = {0, 0, 0, 0, 0, 1, 2, 3, 3, 4, 4, 5, 5};
-  for (std::size_t n = 0; n < expected.size(); ++n)
-    EXPECT_EQ(minority_limit(n, unsaid), expected[n]);
-
-  OutlierOptions said;
-  said.max_removed = 6;
-  EXPECT_EQ(minority_limit(12, said), 6u);
-  EXPECT_EQ(minority_limit(8, said), 4u);
-  EXPECT_EQ(minority_limit(3, said), 0u);
-  said.max_removed = 0;
-  EXPECT_EQ(minority_limit(8, said), 0u);
-  said.max_removed = -1;
-  EXPECT_EQ(minority_limit(8, said), 0u);
-}
-
-// The solver
-
-TEST(MinimaxSolver, HasASmallerMaximumThanLeastSquaresAndALargerSum) {
-  Draw draw(15);
-  for (int i = 0; i < 50; ++i) {
-    const PoseProblem problem = cube_problem(1, draw).problem;
-    const PoseEstimate estimate = find_pose_solver("minimax")->solve(problem, {});
-    const PoseEstimate lspe = find_pose_solver("lspe")->solve(problem, {});
-    ASSERT_EQ(estimate.status, PoseStatus::kOk);
-    EXPECT_TRUE(estimate.removed.empty());
-    const Correspondences c = prepare(problem).correspondences;
-    const Pose pose = to_centred(estimate.cam_from_target, c);
-    const Pose lspe_pose = to_centred(lspe.cam_from_target, c);
-    EXPECT_LT(largest_px2(c, pose), largest_px2(c, lspe_pose));
-    double sum = 0, lspe_sum = 0;
-    for (std::size_t k = 0; k < 8; ++k) {
-      sum += residual_px(c, k, pose)->squaredNorm();
-      lspe_sum += residual_px(c, k, lspe_pose)->squaredNorm();
-    }
-    EXPECT_GT(sum, lspe_sum);
-  }
-}
-
-TEST(MinimaxSolver, IsTheLimitOfTheEntropyFunction) {
-  Draw draw(16);
-  SolverOptions keep_all;
-  keep_all.orpe.rho = kInfinity;
-  for (int i = 0; i < 50; ++i) {
-    Synthetic s = cube_problem(1, draw);
-    if (i % 2) add_outlier(s.problem, 0, 20, draw);
-    const Correspondences c = prepare(s.problem).correspondences;
-    const auto largest = [&](std::string_view name) {
-      const PoseEstimate e = find_pose_solver(name)->solve(s.problem, keep_all);
-      return largest_px2(c, to_centred(e.cam_from_target, c));
-    };
-    EXPECT_LE(largest("minimax"), largest("orpe") * (1 + kMinimaxGap));
-    EXPECT_LE(largest("orpe"), largest("minimax") * (1 + 1.1 * std::log(8.0) / 512));
-  }
 }
 
 }  // namespace

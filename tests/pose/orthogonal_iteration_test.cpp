@@ -58,7 +58,7 @@ TEST(OrthogonalIteration, StartsNearEnoughAtLongRange) {
     const Synthetic s = cube_problem(1, draw);
     const std::vector<Pose> starts = orthogonal_iteration_starts(s.problem);
     ASSERT_EQ(starts.size(), 1u);
-    EXPECT_TRUE(is_pose_near(starts[0], s.cam_from_target, 10 * kRadFromDeg,
+    EXPECT_TRUE(is_pose_near(starts[0], s.cam_from_target, 10 * kDegree,
                              0.05 * s.cam_from_target.translation.norm()));
   }
 }
@@ -92,7 +92,7 @@ TEST(OrthogonalIteration, PlanarTargetsHaveTwoMirrorStarts) {
                                       {draw.rotation_by(0.2) * tilt, {0, 0, 100}});
     const std::vector<Pose> starts = orthogonal_iteration_starts(s.problem);
     ASSERT_EQ(starts.size(), 2u);
-    EXPECT_GT(geodesic_angle_rad(starts[0].rotation, starts[1].rotation), 20 * kRadFromDeg);
+    EXPECT_GT(geodesic_angle_rad(starts[0].rotation, starts[1].rotation), 20 * kDegree);
     EXPECT_LE(object_space_error_m2(s.problem, starts[0]),
               object_space_error_m2(s.problem, starts[1]));
     for (const Pose& start : starts) {

@@ -90,7 +90,7 @@ TEST_P(Peers, FindTheSameMinimumAsLspe) {
   for (int i = 0; i < 200; ++i) {
     Synthetic s = cube_problem(2, draw);
     s.problem.initial_cam_from_target = {
-        draw.rotation_by(10 * kRadFromDeg) * s.cam_from_target.rotation,
+        draw.rotation_by(10 * kDegree) * s.cam_from_target.rotation,
         1.05 * s.cam_from_target.translation};
     const Pose ours = find_pose_solver("lspe")->solve(s.problem, options).cam_from_target;
     const double range_m = s.cam_from_target.translation.norm();

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
+#include "pose/starts.h"
 #include "tests/pose/matchers.h"
 #include "tests/pose/synthetic.h"
 
@@ -43,19 +44,6 @@ TEST(Robust, ThresholdIsFiniteWhateverTheRate) {
     EXPECT_TRUE(std::isfinite(squared_threshold(rate, 8))) << rate;
     EXPECT_GT(squared_threshold(rate, 8), 1) << rate;
   }
-}
-
-TEST(Robust, RemovalLimitLeavesFourPoints) {
-  EXPECT_EQ(removal_limit({}, 3), 0u);
-  EXPECT_EQ(removal_limit({}, 4), 0u);
-  EXPECT_EQ(removal_limit({}, 5), 1u);
-  EXPECT_EQ(removal_limit({}, 8), 4u);
-  OutlierOptions options;
-  options.max_removed = 2;
-  EXPECT_EQ(removal_limit(options, 8), 2u);
-  EXPECT_EQ(removal_limit(options, 5), 1u);
-  options.max_removed = -1;
-  EXPECT_EQ(removal_limit(options, 8), 0u);
 }
 
 TEST(Robust, MedianGivesSigma) {

@@ -8,7 +8,6 @@
 #include <iterator>
 #include <map>
 #include <memory>
-#include <numbers>
 #include <numeric>
 #include <ostream>
 #include <set>
@@ -21,6 +20,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "pose/angles.h"
 #include "scenes/builders/boeing707.h"
 #include "scenes/builders/cube.h"
 #include "scenes/builders/target_file.h"
@@ -36,7 +36,6 @@ static void PrintTo(const BuiltTarget& target, std::ostream* stream) {
 namespace {
 
 constexpr double kGridM = 2e-6;  // builders round coordinates to the micrometre
-constexpr double kDegreesPerRadian = 180 / std::numbers::pi;
 
 using DirectedEdge = std::pair<int, int>;
 
@@ -167,7 +166,7 @@ TEST_P(BuiltTargetTest, EveryComponentHasPositiveVolume) {
 }
 
 TEST_P(BuiltTargetTest, CornerNormalsAreUnitAndAgreeWithTheWinding) {
-  const double cos_crease = std::cos(60 / kDegreesPerRadian);
+  const double cos_crease = std::cos(60 * kDegree);
   for (const Triangle& triangle : mesh().triangles) {
     for (const Eigen::Vector3d& normal : triangle.normal) {
       ASSERT_NEAR(normal.norm(), 1, 1e-12);
@@ -316,7 +315,7 @@ TEST_F(Boeing707Test, OuterWingIsSwept35DegreesAtTheQuarterChord) {
     return Eigen::Vector3d(0.75 * d.wing_leading_edge(y_m) + 0.25 * d.wing_trailing_edge(y_m));
   };
   const Eigen::Vector3d along = quarter(d.wing_kink_y_m) - quarter(d.span_m / 2);
-  EXPECT_NEAR(std::atan2(along.x(), -along.y()) * kDegreesPerRadian, 35, 0.1);
+  EXPECT_NEAR(std::atan2(along.x(), -along.y()) / kDegree, 35, 0.1);
 }
 
 TEST_F(Boeing707Test, WingHasThePublishedDihedral) {
@@ -324,7 +323,7 @@ TEST_F(Boeing707Test, WingHasThePublishedDihedral) {
     const TargetFeature& tip =
         feature_named(features_, std::string("wing_tip_") + edge + "_starboard");
     const Eigen::Vector3d out = tip.edges[0].begin_m - tip.edges[0].end_m;
-    EXPECT_NEAR(std::atan2(-out.z(), out.y()) * kDegreesPerRadian, 7, 1e-4);
+    EXPECT_NEAR(std::atan2(-out.z(), out.y()) / kDegree, 7, 1e-4);
   }
 }
 
@@ -425,9 +424,9 @@ TEST_F(Boeing707Test, NoseIsTheForemostPoint) {
 TEST_F(Boeing707Test, NoseIsStillSeenWhenItPoints35DegreesAway) {
   const Eigen::Vector3d nose = position("nose");
   for (int roll_deg = 0; roll_deg < 360; roll_deg += 10) {
-    const double roll_rad = roll_deg / kDegreesPerRadian;
+    const double roll_rad = roll_deg * kDegree;
     const Eigen::Vector3d side(0, std::cos(roll_rad), std::sin(roll_rad));
-    const double away_rad = 35 / kDegreesPerRadian;
+    const double away_rad = 35 * kDegree;
     const Eigen::Vector3d to_camera =
         std::cos(away_rad) * side - std::sin(away_rad) * Eigen::Vector3d::UnitX();
     const Eigen::Vector3d beyond = nose + 1e-3 * to_camera;

@@ -3,12 +3,11 @@
 #include "scenes/scene/scene_law.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "eval/study/study_file.h"
+#include "pose/angles.h"
 #include "pose/attitude.h"
 #include "scenes/files/input_error.h"
 #include "tests/scenes/error_text.h"
@@ -18,8 +17,6 @@ namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 const std::string kCube = R"(
 [camera]

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The solvers that ours are compared with: pose/solvers/{drop_largest, huber, huber_tukey, gnc,
-// ransac_p3p, opencv_ransac}.cpp. What holds for every solver stands in solver_test.cpp.
+// ransac_p3p, opencv_ransac}.cpp. What holds for every solver stands in every_solver_test.cpp.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -13,6 +13,7 @@
 
 #include "pose/robust.h"
 #include "tests/pose/matchers.h"
+#include "tests/pose/solvers/solving.h"
 #include "tests/pose/synthetic.h"
 
 namespace sightline {
@@ -21,13 +22,8 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-PoseEstimate solve(std::string_view name, const PoseProblem& problem,
-                   const SolverOptions& options = {}) {
-  return find_pose_solver(name)->solve(problem, options);
-}
-
 double error_rad(const PoseEstimate& estimate, const Synthetic& truth) {
-  if (estimate.status != PoseStatus::kOk) return 20 * kRadFromDeg;
+  if (estimate.status != PoseStatus::kOk) return 20 * kDegree;
   return geodesic_angle_rad(estimate.cam_from_target.rotation, truth.cam_from_target.rotation);
 }
 
@@ -359,7 +355,7 @@ TEST(RansacP3p, DrawsWhereThereAreTooManyTriples) {
       ASSERT_EQ(estimate.status, PoseStatus::kOk);
       EXPECT_TRUE(std::ranges::includes(estimate.removed, c.outliers));
       EXPECT_LE(estimate.removed.size(), c.outliers.size() + 2);
-      EXPECT_LT(error_rad(estimate, c.synthetic), 0.2 * kRadFromDeg);
+      EXPECT_LT(error_rad(estimate, c.synthetic), 0.2 * kDegree);
     }
   }
 }

@@ -8,6 +8,7 @@
 #include "pose/reprojection.h"
 #include "pose/solver.h"
 #include "tests/pose/matchers.h"
+#include "tests/pose/solvers/solving.h"
 #include "tests/pose/synthetic.h"
 
 namespace sightline {
@@ -21,15 +22,6 @@ struct Fit {
   Pose cam_from_centred;
   double largest_px2 = 0;
 };
-
-double largest_px2(const Correspondences& c, const Pose& pose) {
-  double largest = 0;
-  for (std::size_t i = 0; i < c.size(); ++i) {
-    const auto r = residual_px(c, i, pose);
-    largest = std::max(largest, r ? r->squaredNorm() : kInfinity);
-  }
-  return largest;
-}
 
 Fit fit(std::string_view solver, const PoseProblem& problem) {
   const PoseEstimate estimate = find_pose_solver(solver)->solve(problem, {});

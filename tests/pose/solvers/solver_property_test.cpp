@@ -153,8 +153,9 @@ bool only_weighs(const PoseSolver& solver) {
 void check_estimate(const Recipe& r, const PoseProblem& problem, bool is_weighing,
                     const PoseEstimate& e) {
   RC_ASSERT(bool(is_free_of_nan(e)));
-  RC_ASSERT(e.covariance.allFinite());
-  RC_ASSERT(e.removed_probability >= 0 && e.removed_probability <= 1);
+  RC_ASSERT(!e.covariance || e.covariance->allFinite());
+  const double probability = e.diagnosis.value_or(Diagnosis{}).removed_probability.value_or(1);
+  RC_ASSERT(probability >= 0 && probability <= 1);
   RC_ASSERT(std::ranges::is_sorted(e.removed));
   RC_ASSERT(std::ranges::all_of(e.removed, [&](int i) { return i >= 0 && i < r.points; }));
   if (e.status != PoseStatus::kOk) return;
