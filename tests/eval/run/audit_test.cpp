@@ -93,14 +93,14 @@ PoseEstimate its_start(const PoseProblem& problem, const SolverOptions&) {
 }
 
 // All under one name, so that runs compare.
-constexpr PoseSolver kSound{"lspe", "", 4, false, solved};
-constexpr PoseSolver kFlippedTarget{"lspe", "", 4, false, with_flipped_target};
-constexpr PoseSolver kFlippedImage{"lspe", "", 4, false, with_flipped_image};
-constexpr PoseSolver kFlippedCamera{"lspe", "", 4, false, with_flipped_camera};
-constexpr PoseSolver kHalfAPixel{"lspe", "", 4, false, with_half_a_pixel};
-constexpr PoseSolver kMillimetres{"lspe", "", 4, false, in_millimetres};
-constexpr PoseSolver kTransposed{"lspe", "", 4, false, with_transposed_rotation};
-constexpr PoseSolver kItsStart{"lspe", "", 4, false, its_start};
+constexpr PoseSolver kSound{"lspe", "", false, solved};
+constexpr PoseSolver kFlippedTarget{"lspe", "", false, with_flipped_target};
+constexpr PoseSolver kFlippedImage{"lspe", "", false, with_flipped_image};
+constexpr PoseSolver kFlippedCamera{"lspe", "", false, with_flipped_camera};
+constexpr PoseSolver kHalfAPixel{"lspe", "", false, with_half_a_pixel};
+constexpr PoseSolver kMillimetres{"lspe", "", false, in_millimetres};
+constexpr PoseSolver kTransposed{"lspe", "", false, with_transposed_rotation};
+constexpr PoseSolver kItsStart{"lspe", "", false, its_start};
 
 // ---- The flow without images ----
 

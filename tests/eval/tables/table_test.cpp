@@ -205,7 +205,7 @@ TEST(Table, KeepsTwoDigitsOfSmallErrors) {
 TEST(Table, PutsSolversThatDoNotFitInFurtherBlocks) {
   constexpr std::array<const char*, 8> kNames{"a", "b", "c", "d", "e", "f", "g", "last_solver"};
   std::vector<PoseSolver> solvers;
-  for (const char* name : kNames) solvers.push_back({name, "", 4, false, nullptr});
+  for (const char* name : kNames) solvers.push_back({name, "", false, nullptr});
   Study study = drawn_poses();
   images_of(study).solving.solvers.clear();
   for (const PoseSolver& solver : solvers) images_of(study).solving.solvers.push_back(&solver);
@@ -222,7 +222,7 @@ TEST(Table, OfASweepHoldsADozenSolversAndNineConditions) {
   std::vector<std::string> names;
   for (int i = 0; i < 12; ++i) names.push_back("orpe_calibrated_" + std::to_string(i));
   std::vector<PoseSolver> solvers;
-  for (const std::string& name : names) solvers.push_back({name, "", 4, false, nullptr});
+  for (const std::string& name : names) solvers.push_back({name, "", false, nullptr});
   Study study;
   NumericStudy& numeric = study.kind.emplace<NumericStudy>();
   study.title = "A sweep";

@@ -277,8 +277,8 @@ PoseEstimate spy(const PoseProblem& problem, const SolverOptions&) {
   spied_problems.push_back(problem);
   return {};
 }
-constexpr PoseSolver kSpy{"spy", "keeps its problem", 4, false, spy};
-constexpr PoseSolver kToldSpy{"told spy", "keeps its problem", 4, true, spy};
+constexpr PoseSolver kSpy{"spy", "keeps its problem", false, spy};
+constexpr PoseSolver kToldSpy{"told spy", "keeps its problem", true, spy};
 
 std::vector<PoseProblem> problems_of(const Settings& settings) {
   Study study = study_with("cube-outliers", 1, settings);
