@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: 2026 The Sightline authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 #
-# cmake -D BUILD=<build folder> -D SOURCE=<this folder> -D WORK=<scratch> -P install_test.cmake
+# cmake -D BUILD=<build folder> -D SOURCE=<this folder> -D WORK=<scratch> -D GENERATOR=<generator>
+#       -P install_test.cmake
+# GENERATOR is that of the build itself: of CMake's default the machine may lack the program.
 # Installs the build, builds and runs a program against the installed pose/, and runs the installed
 # `sightline` (if there is one) with the installed assets alone.
 function(run)
@@ -15,7 +17,7 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK})
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed)
-run(${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${WORK}/consumer
+run(${CMAKE_COMMAND} -G "${GENERATOR}" -S ${SOURCE}/consumer -B ${WORK}/consumer
     -D CMAKE_PREFIX_PATH=${WORK}/installed -D CMAKE_CXX_FLAGS=${FLAGS})
 run(${CMAKE_COMMAND} --build ${WORK}/consumer)
 run(${WORK}/consumer/consumer)

@@ -17,6 +17,7 @@
 #include "eval/summary/summary_json.h"
 #include "pose/bounds.h"
 #include "scenes/random/random.h"
+#include "tests/eval/studies.h"
 
 namespace sightline {
 namespace {
@@ -40,8 +41,11 @@ Study two_poses() {
   study.conditions = {{"pose 1", {{"pose", 1}, {"noise_px", 0.5}}, {}},
                       {"pose 2", {{"pose", 2}, {"noise_px", 2.0}}, {}}};
   for (const char* name : {"orpe", "lspe", "oracle"}) {
-    study.solvers.push_back(find_pose_solver(name));
+    images_of(study).solving.solvers.push_back(find_pose_solver(name));
   }
+  images_of(study).target = load_target("cube");
+  images_of(study).setups.emplace_back();
+  images_of(study).cells.resize(2);
   return study;
 }
 
@@ -169,7 +173,7 @@ TEST(Summary, ComparesWithTheOracle) {
 
 TEST(Summary, HasNoRatioWithoutAnOracle) {
   Study study = two_poses();
-  study.solvers.pop_back();
+  images_of(study).solving.solvers.pop_back();
   std::vector<TrialRecord> trials = handmade_trials();
   for (TrialRecord& trial : trials) trial.estimates.pop_back();
   const Summary summary = summarise(study, trials);
@@ -202,8 +206,7 @@ std::vector<TrialRecord> cube_trials(double first_error_px, double other_error_p
 
 Study cube_study() {
   Study study = two_poses();
-  study.target = load_target("cube");
-  study.camera = centred_camera(512, 512, 15000);
+  images_of(study).setups.front().scene.camera = centred_camera(512, 512, 15000);
   return study;
 }
 
@@ -212,8 +215,8 @@ TEST(Summary, BoundsThePoseByTheInliersNoise) {
   const std::vector<TrialRecord> trials = cube_trials(2, 2);
   const Summary summary = summarise(study, trials);
   std::vector<Eigen::Vector3d> points;
-  for (int k = 0; k < 6; ++k) points.push_back(study.target->features[k].position_m);
-  const auto bound = cramer_rao_bound(study.camera, points, trials[0].true_cam_from_target,
+  for (int k = 0; k < 6; ++k) points.push_back(study.images()->target->features[k].position_m);
+  const auto bound = cramer_rao_bound(study.camera_of(0), points, trials[0].true_cam_from_target,
                                       std::sqrt(2.0));  // 2 px in all is sqrt(2) a coordinate
   ASSERT_TRUE(bound);
   const double degree = std::acos(-1.0) / 180;

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// SPEED+ and SPEED sets as others write them, read by the documentation of their formats alone.
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "eval/datasets/sightings.h"
+#include "scenes/target/target.h"
+#include "tests/scenes/error_text.h"
+#include "tests/scenes/temporary_folder.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr int kWidth = 320, kHeight = 240;
+
+class ForeignSpeed : public testing::Test {
+ protected:
+  ForeignSpeed() {
+    fs::create_directories(folder_.path() / "synthetic/images");
+    cv::imwrite((folder_.path() / "synthetic/images/img1.jpg").string(),
+                cv::Mat(kHeight, kWidth, CV_8U, cv::Scalar(40)));
+    folder_.write("camera.json",
+                  R"({"Nu": 320, "Nv": 240, "ppx": 1e-5, "ppy": 2e-5, "fx": 0.009, "fy": 0.0183,
+                      "ccx": 160, "ccy": 120, "cameraMatrix": [[900, 0, 160], [0, 915, 120],
+                      [0, 0, 1]], "distCoeffs": [-0.1, 0.02, 0.003, 0.004, 0.05]})");
+    folder_.write("synthetic/train.json", kList);
+  }
+  SightingSource source(const std::string& folder, const std::string& split) const {
+    SightingSource source;
+    source.folder = folder_.path() / folder;
+    source.split = split;
+    return source;
+  }
+  const std::string kList =
+      R"([{"filename": "img1.jpg", "q_vbs2tango_true": [0.6, 0, 0, 0.8],
+           "r_Vo2To_vbs_true": [0.1, -0.2, 10]}])";
+  TemporaryFolder folder_;
+  std::shared_ptr<const Target> cube_ = load_target("cube");
+};
+
+TEST_F(ForeignSpeed, IsReadByItsDocumentation) {
+  for (const auto& sightings : {read_sightings(source("synthetic", ""), cube_),
+                                read_sightings(source("", "synthetic/train"), cube_)}) {
+    ASSERT_EQ(sightings.size(), 1u);
+    const Sighting& sighting = sightings[0];
+    EXPECT_EQ(sighting.camera.fy_px, 915);
+    EXPECT_EQ(sighting.camera.cx_px, 159.5);  // its pixels begin at 0, ours at -0.5
+    EXPECT_EQ(sighting.camera.cy_px, 119.5);
+    EXPECT_EQ(sighting.camera.distortion.k1, -0.1);
+    EXPECT_EQ(sighting.camera.distortion.p2, 0.004);
+    EXPECT_EQ(sighting.camera.distortion.k3, 0.05);
+    const Eigen::Matrix3d& r = sighting.cam_from_target.rotation;
+    EXPECT_NEAR(r(0, 0), -0.28, 1e-12);  // cos of 2 acos(0.6), about z
+    EXPECT_NEAR(r(1, 0), 0.96, 1e-12);
+    EXPECT_NEAR(r(2, 2), 1, 1e-12);
+    EXPECT_EQ(sighting.cam_from_target.translation, Eigen::Vector3d(0.1, -0.2, 10));
+  }
+}
+
+TEST_F(ForeignSpeed, OfTheFirstChallengeIsReadToo) {
+  fs::create_directories(folder_.path() / "images/train");
+  fs::rename(folder_.path() / "synthetic/images/img1.jpg",
+             folder_.path() / "images/train/img1.jpg");
+  folder_.write("camera.json", R"({"Nu": 320, "Nv": 240, "ppx": 1e-5, "ppy": 2e-5, "fx": 0.009,
+                                   "fy": 0.0183})");
+  folder_.write("train.json", R"([{"filename": "img1.jpg", "q_vbs2tango": [1, 0, 0, 0],
+                                   "r_Vo2To_vbs_true": [0.1, -0.2, 10]}])");
+  const auto sightings = read_sightings(source("", ""), cube_);
+  EXPECT_NEAR(sightings[0].camera.fx_px, 900, 1e-9);
+  EXPECT_NEAR(sightings[0].camera.fy_px, 915, 1e-9);
+  EXPECT_EQ(sightings[0].camera.cx_px, 159.5);
+  EXPECT_EQ(sightings[0].image, "images/train/img1.jpg");
+}
+
+TEST_F(ForeignSpeed, IsRefusedInOneLineThatNamesTheFile) {
+  const auto error = [this] {
+    return error_of([this] { read_sightings(source("synthetic", ""), cube_); });
+  };
+  EXPECT_EQ(error(), "");
+  folder_.write("synthetic/validation.json", "[]");
+  EXPECT_THAT(error(), HasSubstr("has train.json and validation.json; say --split"));
+  fs::remove(folder_.path() / "synthetic/validation.json");
+  folder_.write("synthetic/train.json", R"([{"filename": "img2.jpg"}])");
+  EXPECT_THAT(error(), HasSubstr("train.json: names img2.jpg, which is not in"));
+  folder_.write("synthetic/train.json", "[]");
+  EXPECT_THAT(error(), HasSubstr("train.json: lists no image"));
+  folder_.write("synthetic/train.json", R"([{"filename": "img1.jpg",
+      "q_vbs2tango_true": [2, 0, 0, 0], "r_Vo2To_vbs_true": [0, 0, 10]}])");
+  EXPECT_THAT(error(), HasSubstr("q_vbs2tango_true has the length 2"));
+  folder_.write("synthetic/train.json", R"([{"filename": "img1.jpg",
+      "q_vbs2tango_true": [1, 0, 0, 0], "r_Vo2To_vbs_true": [0, 0, -10]}])");
+  EXPECT_THAT(error(), HasSubstr("none of its 1 poses puts 'cube' into its image"));
+  folder_.write("synthetic/train.json", kList);
+  fs::remove(folder_.path() / "camera.json");
+  EXPECT_THAT(error(), HasSubstr("camera.json: is missing"));
+}
+
+}  // namespace
+}  // namespace sightline
