@@ -19,6 +19,7 @@
 #include "eval/program/render_command.h"
 #include "eval/program/run_command.h"
 #include "eval/program/score_command.h"
+#include "eval/run/merge.h"
 #include "eval/run/run.h"
 #include "eval/study/study_file.h"
 #include "eval/tables/result_table.h"

@@ -46,11 +46,6 @@ RunResult run_study(const Study& study, const RunOptions& options);
 /// where they lie meanwhile, and nothing is left.
 Summary run_pilot(const Study& study, const RunOptions& options);
 
-/// Joins the folders of shards into one, as if one process had run the study. Throws InputError for
-/// shards of different studies, versions or counts, and for missing and double shards.
-RunResult merge_runs(const std::vector<std::filesystem::path>& shards,
-                     const std::filesystem::path& out, const std::string& command);
-
 /// Writes a run's results.csv, summary.json, timings.csv and report.html anew from its
 /// results.sqlite.
 RunResult rewrite_report(const std::filesystem::path& folder);

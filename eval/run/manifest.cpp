@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/run/manifest.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sys/utsname.h>
+
+#include "eval/output/output_folder.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr const char* kManifestFile = "manifest.json";
+
+std::string machine() {
+  utsname system{};
+  uname(&system);
+  std::string processor = "unknown processor";
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    if (!line.starts_with("model name")) continue;
+    processor = line.substr(std::min(line.size(), line.find(':') + 2));
+    break;
+  }
+  return fmt::format("{} {}, {}", system.sysname, system.machine, processor);
+}
+
+}  // namespace
+
+Json manifest_of(const Study& study, const std::string& command) {
+  return {{"version", SIGHTLINE_VERSION},
+          {"study", study.name},
+          {"seed", study.seed},
+          {"trials", study.trial_count()},
+          {"command", command},
+          {"machine", machine()},
+          {"started",
+           fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()))}};
+}
+
+Json read_manifest(const fs::path& run) {
+  std::ifstream stream(run / kManifestFile);
+  return Json::parse(stream, nullptr, /*allow_exceptions=*/false);
+}
+
+void write_manifest(const Json& manifest, const fs::path& run) {
+  write_file(run / kManifestFile, manifest.dump(2) + "\n");
+}
+
+std::map<std::string, std::string> as_texts(const Json& manifest) {
+  std::map<std::string, std::string> texts;
+  if (!manifest.is_object()) return texts;
+  for (const auto& [key, value] : manifest.items()) {
+    texts[key] = value.is_string() ? value.get<std::string>() : value.dump();
+  }
+  return texts;
+}
+
+}  // namespace sightline
