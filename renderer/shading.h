@@ -8,7 +8,7 @@
 
 #include "pose/pose.h"
 #include "renderer/visibility.h"
-#include "scenes/scene/scene.h"
+#include "scenes/scene/light.h"
 
 namespace sightline {
 

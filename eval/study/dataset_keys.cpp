@@ -24,9 +24,7 @@ SightingSource read_source(const TomlTable& table) {
   source.is_of_file_axes = dataset.choice("axes", axes, axes[0]) == axes[1];
   source.box_tolerance = dataset.number("box_tolerance", {0, 1e6}, source.box_tolerance);
   source.priors = dataset.text("priors", "");
-  const std::vector<double> k =
-      table.table("camera").numbers("distortion", 5, std::vector<double>(5, 0.0));
-  source.distortion = {.k1 = k[0], .k2 = k[1], .p1 = k[2], .p2 = k[3], .k3 = k[4]};
+  source.distortion = read_lens(table.table("camera"));
   return source;
 }
 
@@ -54,7 +52,7 @@ SceneLaw dataset_scene(const TomlTable& table, const Study& study) {
   law.target = study.target;
   law.features = study.features;
   law.camera = study.sightings->front().camera;
-  law.bits = static_cast<int>(table.table("dataset").integer("bits", {1, kMostBits}, kMostBits));
+  law.sensor.bits = static_cast<int>(table.table("dataset").integer("bits", {1, kMostBits}, kMostBits));
   return law;
 }
 

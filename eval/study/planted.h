@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "eval/study/outlier_model.h"
-#include "scenes/scene/scene_law.h"
+#include "scenes/scene/range.h"
 #include "scenes/target/target.h"
 
 namespace sightline {

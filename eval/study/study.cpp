@@ -75,7 +75,7 @@ const FeatureExtractor* read_extractor(const TomlTable& table, const char* key, 
 }
 
 // What a user would know of the sensor: its noise in the middle of the range, grey levels of 255.
-double typical_noise_sd_grey(const SceneLaw& law) {
+double typical_noise_sd_grey(const SensorLaw& law) {
   const auto middle = [](const Range& range) { return (range.min + range.max) / 2; };
   const double read = middle(law.read_noise_grey);
   const double electrons = middle(law.full_well_electrons);
@@ -103,7 +103,7 @@ void read_extraction(const TomlTable& table, bool is_noise_known, ImageSetup& se
   }
   ExtractorOptions& options = setup.extractor_options;
   double& noise = options.search.noise_sd_grey;
-  if (is_noise_known) noise = typical_noise_sd_grey(setup.scene);
+  if (is_noise_known) noise = typical_noise_sd_grey(setup.scene.sensor);
   noise = table.number("noise_sd_grey", {0, 255}, noise);
   options.window_half_px =
       static_cast<int>(table.integer("window_half_px", {4, 512}, options.window_half_px));
@@ -468,12 +468,6 @@ size_t index_of(const std::string& name, const std::vector<std::string>& names,
     table.fail(key, fmt::format("holds \"{}\"{}", name, suggestion(name, names)));
   }
   return static_cast<size_t>(found - names.begin());
-}
-
-PriorError read_prior(const TomlTable& table) {
-  return {.attitude_deg = table.number("attitude_deg", {0, 90}, 2.0),
-          .range_fraction = table.number("range_percent", {0, 20}, 1.0) / 100,
-          .lateral_px = table.number("lateral_px", {0, 1000}, 3.0)};
 }
 
 void read_solvers(const TomlTable& table, const std::string& default_start, Study& study) {

@@ -17,6 +17,7 @@
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
 #include "pose/solver.h"
+#include "scenes/scene/prior.h"
 #include "scenes/scene/scene_law.h"
 #include "scenes/target/target.h"
 

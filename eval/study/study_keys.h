@@ -22,8 +22,6 @@ std::vector<std::string> names_of(const Catalogue& catalogue) {
   return names;
 }
 
-PriorError read_prior(const TomlTable& table);
-
 /// The solvers, and the keys of [solver] that all kinds of study have.
 void read_solvers(const TomlTable& table, const std::string& default_start, Study& study);
 

@@ -71,7 +71,7 @@ std::string conventions(const SetPlan& plan) {
 - model/target.ply: the target, millimetres.
 )",
       plan.study.name, plan.count, SIGHTLINE_VERSION, plan.study.seed,
-      (1 << plan.study.setups.front().scene.bits) - 1, 1e6 * kPixelPitch_m);
+      (1 << plan.study.setups.front().scene.sensor.bits) - 1, 1e6 * kPixelPitch_m);
 }
 
 std::vector<SetFile> set_files(const SetPlan& plan) {
