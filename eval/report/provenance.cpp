@@ -7,6 +7,7 @@
 
 #include "eval/output/text.h"
 #include "eval/report/figures.h"
+#include "eval/report/panels.h"
 
 namespace sightline {
 namespace {
@@ -135,8 +136,6 @@ std::string repeat_command(const ReportInput& input) {
 
 std::string provenance_figure(const ReportInput& input) {
   const auto typed = input.meta.find("command");
-  const double outlier_px =
-      input.study.setups.empty() ? 0 : input.study.setups.front().limits.outlier_px;
   const bool has_typed = typed != input.meta.end();
   return mustache::mustache(kProvenanceTemplate)
       .render(mustache::object{
@@ -144,7 +143,7 @@ std::string provenance_figure(const ReportInput& input) {
           {"repeat", repeat_command(input)},
           {"has_typed", has_typed},
           {"typed", has_typed ? typed->second : ""},
-          {"outlier_px", fmt::to_string(outlier_px)},
+          {"outlier_px", outlier_limit_px(input.study)},
           {"rendered", input.study.kind == StudyKind::kImages && !input.study.sightings},
           {"images", input.study.kind == StudyKind::kImages},
           {"orientation", input.study.kind == StudyKind::kOrientation},

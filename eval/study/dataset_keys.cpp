@@ -4,26 +4,17 @@
 // The keys of [dataset]: an image study whose images, cameras and poses are somebody's.
 #include <fmt/format.h>
 
+#include "eval/study/key_tables.h"
 #include "eval/study/study_keys.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {
 
-constexpr int kMostBits = 16;
-
 SightingSource read_source(const TomlTable& table) {
-  const TomlTable dataset = table.table("dataset");
-  const std::vector<std::string> axes = {"target", "file"};
   SightingSource source;
-  source.folder = dataset.text("path");
-  source.split = dataset.text("split", "");
-  if (dataset.has("object")) {
-    source.obj_id = static_cast<int>(dataset.integer("object", {0, 1e9}));
-  }
-  source.is_of_file_axes = dataset.choice("axes", axes, axes[0]) == axes[1];
-  source.box_tolerance = dataset.number("box_tolerance", {0, 1e6}, source.box_tolerance);
-  source.priors = dataset.text("priors", "");
+  int bits = kMostBits;
+  read_keys(table, dataset_keys(source, bits));
   source.distortion = read_lens(table.table("camera"));
   return source;
 }
@@ -52,7 +43,9 @@ SceneLaw dataset_scene(const TomlTable& table, const Study& study) {
   law.target = study.target;
   law.features = study.features;
   law.camera = study.sightings->front().camera;
-  law.sensor.bits = static_cast<int>(table.table("dataset").integer("bits", {1, kMostBits}, kMostBits));
+  SightingSource source;
+  law.sensor.bits = kMostBits;
+  read_keys(table, dataset_keys(source, law.sensor.bits));
   return law;
 }
 

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/study/key_tables.h"
 #include "eval/study/study_keys.h"
 
 namespace sightline {
@@ -96,12 +97,9 @@ Axis read_outlier_counts(const TomlTable& sweep, const TomlTable& outliers, cons
   return {{0}, false};
 }
 
-void read_planted(const TomlTable& table, Study& study) {
-  const std::vector<std::string> laws = {"uniform", "fixed", "clustered", "swapped"};
-  const std::array kinds = {OutlierLaw::kUniform, OutlierLaw::kFixed, OutlierLaw::kClustered,
-                            OutlierLaw::kSwapped};
-  study.planted.law = kinds[index_of(table.choice("law", laws, laws[0]), laws, table, "law")];
-  if (table.has("size_px")) study.planted.size_px = read_range(table, "size_px", {0, 1e6});
+void read_planted(const TomlTable& file, Study& study) {
+  read_keys(file, planted_keys(study.planted));
+  const TomlTable table = file.table("outliers");
   if (table.has("model")) read_model(table, study);
 }
 
@@ -109,10 +107,11 @@ void read_numeric_sweep(const TomlTable& table, Study& study) {
   const TomlTable sweep = table.table("sweep");
   const TomlTable noise = table.table("noise");
   const TomlTable outliers = table.table("outliers");
-  const double scale = noise.number("scale", {0, 1000}, 1.0);
-  const Axis noises = read_axis(sweep, "noise_px", {noise, "noise", "pixel_px"}, {0, 1e4});
+  const double scale = read_noise_scale(table);
+  const Axis noises = read_axis(sweep, "noise_px", {noise, "noise", "pixel_px"},
+                                find_key(axis_keys(), "noise.pixel_px").allowed);
   const Axis counts = read_outlier_counts(sweep, outliers, study);
-  read_planted(outliers, study);
+  read_planted(table, study);
   for (const double count : counts.values) {
     const std::string reason =
         why_not_plantable(study.planted, static_cast<int>(count), *study.target, study.features);
@@ -131,12 +130,7 @@ void read_numeric_sweep(const TomlTable& table, Study& study) {
 
 void read_limits(const TomlTable& table, Study& study) {
   if (!table.has("limits")) return;
-  const TomlTable limits = table.table("limits");
-  study.limits = ClaimLimits{
-      .solver = limits.choice("solver", names_of(pose_solvers()), "orpe"),
-      .theta_error_deg = limits.number("theta_error_deg", {0, 180}),
-      .t_error_percent = limits.number("t_error_percent", {0, 1e6}),
-  };
+  read_keys(table, limit_keys(study.limits.emplace()));
 }
 
 void read_methods(const TomlTable& table, Study& study) {
@@ -163,8 +157,7 @@ void read_numeric_study(const TomlTable& table, Study& study) {
   read_position_ranges(poses, study.poses);
   study.prior = read_prior(table.table("prior"));
   read_solvers(table, "free", study);
-  const std::vector<std::string> sigmas = {"unknown", "known"};
-  study.is_sigma_known = table.table("solver").choice("sigma", sigmas, sigmas[0]) == sigmas[1];
+  read_keys(table, sigma_keys(study.is_sigma_known));
   read_target_and_features(table, study);
   read_numeric_sweep(table, study);
   read_limits(table, study);
@@ -172,18 +165,15 @@ void read_numeric_study(const TomlTable& table, Study& study) {
 
 void read_orientation_study(const TomlTable& table, Study& study) {
   read_methods(table, study);
-  PointPairs& pairs = study.pairs;
+  read_keys(table, point_keys(study.pairs));
   const TomlTable points = table.table("points");
-  pairs.half_side_m = points.number("half_side_m", {1e-6, 1e9}, pairs.half_side_m);
-  pairs.translation_m = points.number("translation_m", {0, 1e9}, pairs.translation_m);
-  pairs.copies = static_cast<int>(table.integer("copies", {1, 1'000'000}, pairs.copies));
-  pairs.timed_repeats = static_cast<int>(table.integer("timed_repeats", {0, 1'000'000'000}, 0));
-
   const TomlTable sweep = table.table("sweep");
   const TomlTable noise = table.table("noise");
-  const double scale = noise.number("scale", {0, 1000}, 1.0);
-  const Axis sigmas = read_axis(sweep, "sigma", {noise, "noise", "sigma_m"}, {0, 1e9});
-  const Axis counts = read_count_axis(sweep, "points", {points, "points", "count"}, {3, 1e6});
+  const double scale = read_noise_scale(table);
+  const Axis sigmas = read_axis(sweep, "sigma", {noise, "noise", "sigma_m"},
+                                find_key(axis_keys(), "noise.sigma_m").allowed);
+  const Axis counts = read_count_axis(sweep, "points", {points, "points", "count"},
+                                      find_key(axis_keys(), "points.count").allowed);
   for (const double count : counts.values) {
     for (const double sigma : sigmas.values) {
       const std::array coordinates = {

@@ -104,7 +104,7 @@ struct PointPairs {
 
 /// What the claim of a numeric study says in numbers: the means of one solver stay below these.
 struct ClaimLimits {
-  std::string solver;
+  std::string solver = "orpe";
   double theta_error_deg = 0;
   double t_error_percent = 0;
 };

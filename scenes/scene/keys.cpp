@@ -12,6 +12,14 @@
 namespace sightline {
 namespace {
 
+// The table of a path such as "extraction.lines"; the file itself of an empty one.
+TomlTable table_at(const TomlTable& file, const std::string& path) {
+  if (path.empty()) return file;
+  const size_t dot = path.find('.');
+  const TomlTable table = file.table(path.substr(0, dot));
+  return dot == std::string::npos ? table : table_at(table, path.substr(dot + 1));
+}
+
 // Reads what the file has under a key; it is there, or required.
 struct Reader {
   const TomlTable& table;
@@ -23,6 +31,7 @@ struct Reader {
   }
   void operator()(bool* value) const { *value = table.flag(key.name); }
   void operator()(std::string* value) const { *value = table.text(key.name); }
+  void operator()(std::filesystem::path* value) const { *value = table.text(key.name); }
   void operator()(const Choice& value) const {
     const std::string word = table.choice(key.name, value.words);
     const auto found = std::find(value.words.begin(), value.words.end(), word);
@@ -44,6 +53,7 @@ struct Reader {
   void operator()(std::vector<double>* value) const {
     *value = table.numbers(key.name, value->size());
   }
+  void operator()(const Described&) const {}
 };
 
 // Gives the frame the value of the law. The two must be alike, which a mistake in a table is not.
@@ -92,6 +102,7 @@ struct RangeText {
   std::string operator()(int*) const { return "whole, " + numbers(); }
   std::string operator()(bool*) const { return "true or false"; }
   std::string operator()(std::string*) const { return "a text"; }
+  std::string operator()(std::filesystem::path*) const { return "a text"; }
   std::string operator()(const Choice& value) const {
     return fmt::format("\"{}\"", fmt::join(value.words, "\", \""));
   }
@@ -106,6 +117,9 @@ struct RangeText {
   std::string operator()(std::vector<double>* value) const {
     return fmt::format("{} numbers", value->size());
   }
+  std::string operator()(const Described& value) const {
+    return value.range.empty() ? numbers() : value.range;
+  }
 };
 
 // What stands in the law while no file was read.
@@ -114,6 +128,9 @@ struct DefaultText {
   std::string operator()(int* value) const { return fmt::to_string(*value); }
   std::string operator()(bool* value) const { return fmt::to_string(*value); }
   std::string operator()(std::string* value) const { return fmt::format("\"{}\"", *value); }
+  std::string operator()(std::filesystem::path* value) const {
+    return fmt::format("\"{}\"", value->string());
+  }
   std::string operator()(const Choice& value) const {
     return fmt::format("\"{}\"", value.words[value.chosen()]);
   }
@@ -135,6 +152,7 @@ struct DefaultText {
   std::string operator()(std::vector<double>* value) const {
     return fmt::format("[{}]", fmt::join(*value, ", "));
   }
+  std::string operator()(const Described& value) const { return value.fallback; }
 };
 
 std::string default_text(const Key& key) {
@@ -149,12 +167,13 @@ void read_key(const TomlTable& table, const Key& key) {
 }
 
 void read_keys(const TomlTable& file, std::span<const Key> keys) {
-  for (const Key& key : keys) read_key(file.table(key.table), key);
+  for (const Key& key : keys) read_key(table_at(file, key.table), key);
 }
 
 const Key& find_key(std::span<const Key> keys, std::string_view name) {
-  const auto found =
-      std::find_if(keys.begin(), keys.end(), [&](const Key& key) { return key.name == name; });
+  const auto found = std::find_if(keys.begin(), keys.end(), [&](const Key& key) {
+    return key.name == name || key.path() == name;
+  });
   if (found == keys.end()) throw std::logic_error(fmt::format("no key '{}' in the table", name));
   return *found;
 }

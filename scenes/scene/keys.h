@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <span>
@@ -53,7 +54,7 @@ Choice choice(Value& value, std::vector<std::pair<std::string, Value>> worded) {
   out.choose = [&value, worded](size_t place) { value = worded[place].second; };
   out.chosen = [&value, worded] {
     size_t place = 0;
-    while (worded[place].second != value) ++place;
+    while (place + 1 < worded.size() && worded[place].second != value) ++place;
     return place;
   };
   out.fact = [&value, chosen = out.chosen, words = out.words]() -> FactValue {
@@ -76,19 +77,26 @@ struct Percent {
   double* fraction = nullptr;
 };
 
+/// A key that its part reads in code of its own; the table says in words what the file may say.
+struct Described {
+  std::string fallback;
+  std::string range = {};  ///< empty: a number of the allowed interval
+};
+
 /// Where a key's value goes, which says also how the file must state it. Until it is read, what
 /// stands there is the default. A Range may be a number or [low, high] in the file; what is
 /// optional stays without value where the file has no such key.
-using KeyValue = std::variant<double*, int*, bool*, std::string*, Choice, Range*, LowHigh, Percent,
-                              std::optional<double>*, std::optional<int>*, std::optional<Range>*,
-                              OptionalLowHigh, Eigen::Vector3d*, std::vector<double>*>;
+using KeyValue = std::variant<double*, int*, bool*, std::string*, std::filesystem::path*, Choice,
+                              Range*, LowHigh, Percent, std::optional<double>*, std::optional<int>*,
+                              std::optional<Range>*, OptionalLowHigh, Eigen::Vector3d*,
+                              std::vector<double>*, Described>;
 
 /// Where a frame has the value: drawn, where the law has a Range, else as it stands in the law.
 using FrameValue = std::variant<std::monostate, double*, int*, bool*, Choice>;
 
 /// A key of a file.
 struct Key {
-  std::string table;  ///< "image" for a key of [image]
+  std::string table;  ///< "image" for a key of [image], "a.b" of [a.b]; empty above all tables
   std::string name;
   KeyValue value;
   Interval allowed;  ///< of each of its numbers
@@ -109,7 +117,7 @@ struct Key {
 void read_key(const TomlTable& table, const Key& key);
 /// Reads every key from its table of a file.
 void read_keys(const TomlTable& file, std::span<const Key> keys);
-/// The key of that name; it must be there.
+/// The key of that name or path; it must be there.
 const Key& find_key(std::span<const Key> keys, std::string_view name);
 
 /// [low, high] within the allowed interval.

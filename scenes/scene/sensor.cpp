@@ -76,6 +76,13 @@ std::vector<Key> keys_of(SensorLaw& law, Sensor& sensor) {
   };
 }
 
+double read_noise_scale(const TomlTable& file) {
+  SensorLaw law;
+  Sensor sensor;
+  read_key(file.table("noise"), find_key(keys_of(law, sensor), "scale"));
+  return law.noise_scale;
+}
+
 Sensor draw_sensor(SensorLaw law, uint64_t seed, const Draws& draws) {
   Sensor sensor;
   draw_keys(keys_of(law, sensor), draws);

@@ -39,6 +39,9 @@ struct SensorLaw {
 
 std::vector<Key> keys_of(SensorLaw& law, Sensor& sensor);
 
+/// The key noise.scale, which studies without images have too. Throws InputError.
+double read_noise_scale(const TomlTable& file);
+
 /// The sensor of one scene. `seed` is that of all scenes, which share their defects.
 Sensor draw_sensor(SensorLaw law, uint64_t seed, const Draws& draws);
 
