@@ -8,6 +8,7 @@
 
 #include "pose/pose.h"
 #include "renderer/visibility.h"
+#include "scenes/mesh/mesh.h"
 #include "scenes/scene/light.h"
 
 namespace sightline {

@@ -19,36 +19,6 @@ Choice extractor_choice(const FeatureExtractor*& chosen, FeatureKind kind) {
   return choice(chosen, std::move(worded));
 }
 
-std::vector<Key> label_keys(LabelLimits& limits) {
-  return {
-      {"extraction",
-       "outlier_px",
-       &limits.outlier_px,
-       {0.01, 1000},
-       "px",
-       "a feature found farther than this from the truth is an outlier"},
-      {.table = "extraction",
-       .name = "outlier_sigmas",
-       .value = &limits.outlier_sigmas,
-       .allowed = {0.1, 1e6},
-       .unit = "sigma",
-       .meaning = "and so is one farther in units of its own covariance",
-       .if_absent = "none"},
-      {"extraction",
-       "line_px",
-       &limits.line_px,
-       {0.01, 1000},
-       "px",
-       "a line is wrong whose edge pixels have a larger RMS distance from the true edge"},
-      {"extraction",
-       "least_contrast_grey",
-       &limits.least_contrast_grey,
-       {0, 255},
-       "grey level of 255",
-       "a feature whose edges have less contrast in the image counts as not to be seen"},
-  };
-}
-
 std::vector<Key> line_keys(LineOptions& line) {
   const std::string table = "extraction.lines";
   return {
@@ -177,8 +147,7 @@ std::vector<Key> extraction_keys(ImageSetup& setup, double& bias_mesh_fraction) 
        "px",
        "windows are squares of twice this plus one, around the prediction"},
   };
-  for (auto& part :
-       {label_keys(setup.limits), line_keys(options.line), corner_keys(options.corner)}) {
+  for (auto& part : {keys_of(setup.limits), line_keys(options.line), corner_keys(options.corner)}) {
     keys.insert(keys.end(), part.begin(), part.end());
   }
   return keys;

@@ -228,33 +228,6 @@ std::vector<Key> dataset_keys(SightingSource& source, int& bits) {
   };
 }
 
-std::vector<Key> planted_keys(PlantedOutliers& planted) {
-  return {
-      {"outliers",
-       "law",
-       choice(planted.law, {{"uniform", OutlierLaw::kUniform},
-                            {"fixed", OutlierLaw::kFixed},
-                            {"clustered", OutlierLaw::kClustered},
-                            {"swapped", OutlierLaw::kSwapped}}),
-       {},
-       "",
-       "how outliers are displaced: in a uniform direction by a size of the range or by its upper "
-       "end, all of a trial alike, or by exchange with their mirror images"},
-      {"outliers",
-       "size_px",
-       LowHigh{&planted.size_px},
-       {0, 1e6},
-       "px",
-       "sizes of the displacements"},
-      {"outliers",
-       "model",
-       Described{"none", "a text"},
-       {},
-       "",
-       "outliers.json of an image study, whose failures are replayed instead"},
-  };
-}
-
 std::vector<Key> point_keys(PointPairs& pairs) {
   return {
       {"points",
@@ -343,7 +316,7 @@ std::vector<KeyText> study_keys() {
   for (const std::vector<Key>& keys :
        {described_keys(), point_keys(pairs), dataset_keys(source, bits), keys_of(setup.prior),
         extraction_keys(setup, bias_mesh_fraction), solver_keys(start, options),
-        sigma_keys(is_sigma_known), planted_keys(planted), axis_keys(), limit_keys(limits)}) {
+        sigma_keys(is_sigma_known), keys_of(planted), axis_keys(), limit_keys(limits)}) {
     for (KeyText& text : texts_of(keys, "")) all.push_back(std::move(text));
   }
   return all;

@@ -36,9 +36,6 @@ std::vector<Key> sigma_keys(bool& is_sigma_known);
 /// [dataset]; `bits` is the depth of its images.
 std::vector<Key> dataset_keys(SightingSource& source, int& bits);
 
-/// [outliers], but for their number.
-std::vector<Key> planted_keys(PlantedOutliers& planted);
-
 /// What an orientation study draws: [points] but for their number, `copies` and `timed_repeats`.
 std::vector<Key> point_keys(PointPairs& pairs);
 

@@ -98,7 +98,7 @@ Axis read_outlier_counts(const TomlTable& sweep, const TomlTable& outliers, cons
 }
 
 void read_planted(const TomlTable& file, Study& study) {
-  read_keys(file, planted_keys(study.planted));
+  read_keys(file, keys_of(study.planted));
   const TomlTable table = file.table("outliers");
   if (table.has("model")) read_model(table, study);
 }
