@@ -12,7 +12,7 @@
 #include "pose/camera.h"
 #include "pose/pose.h"
 #include "pose/solver.h"
-#include "scenes/scene/scene.h"
+#include "scenes/scene/prior.h"
 #include "scenes/target/target.h"
 
 namespace sightline {

@@ -4,7 +4,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "scenes/scene/scene.h"
+#include "scenes/scene/background.h"
 
 namespace sightline {
 

@@ -11,7 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "scenes/files/input_error.h"
-#include "scenes/scene/scene.h"
+#include "scenes/scene/imaging.h"
 
 namespace sightline {
 namespace {

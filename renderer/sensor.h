@@ -5,7 +5,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "scenes/random/random.h"
-#include "scenes/scene/scene.h"
+#include "scenes/scene/sensor.h"
 
 namespace sightline {
 

@@ -8,7 +8,8 @@
 
 #include "pose/pose.h"
 #include "renderer/visibility.h"
-#include "scenes/scene/scene.h"
+#include "scenes/mesh/mesh.h"
+#include "scenes/scene/light.h"
 
 namespace sightline {
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/image_sets/set_format.h"
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
@@ -12,6 +13,20 @@
 #include "scenes/files/input_error.h"
 
 namespace sightline {
+
+EncodingText encoding_text(const SetPlan& plan) {
+  const auto& setups = plan.images().setups;
+  const auto encoded = std::count_if(setups.begin(), setups.end(), [](const ImageSetup& setup) {
+    return setup.scene.sensor.is_srgb;
+  });
+  if (encoded == 0) return {"linear grey", "Nothing is gamma-encoded."};
+  if (encoded == std::ssize(setups)) {
+    return {"sRGB-encoded grey", "Grey levels stand for light as IEC 61966-2-1 says."};
+  }
+  return {"grey",
+          "Some images are linear, others sRGB-encoded: see is_srgb of each image in sightline/."};
+}
+
 std::span<const SetFormat> set_formats() {
   static const std::array kCatalogue = {bop_format(), speed_format()};
   return kCatalogue;

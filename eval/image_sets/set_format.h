@@ -45,6 +45,14 @@ struct SetFormat {
   std::vector<SetFile> (*set_files)(const SetPlan& plan);
 };
 
+/// How the grey levels of a set's images stand for light, in words for its description.
+struct EncodingText {
+  std::string grey;      ///< "linear grey"
+  std::string sentence;  ///< "Nothing is gamma-encoded."
+};
+
+EncodingText encoding_text(const SetPlan& plan);
+
 /// The catalogue, in the order in which it is listed.
 std::span<const SetFormat> set_formats();
 

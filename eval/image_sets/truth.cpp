@@ -37,56 +37,21 @@ Json row_wise(const Eigen::Matrix3d& m) {
   return out;
 }
 
-Json camera_json(const Camera& camera) {
-  const BrownConrady& lens = camera.distortion;
-  return {{"width_px", camera.width_px},
-          {"height_px", camera.height_px},
-          {"fx_px", camera.fx_px},
-          {"fy_px", camera.fy_px},
-          {"cx_px", camera.cx_px},
-          {"cy_px", camera.cy_px},
-          {"distortion_k1_k2_p1_p2_k3", {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}}};
-}
-
-Json light_json(const Light& light) {
-  return {{"to_light_in_cam", array_of(light.to_light_in_cam)},
-          {"ambient", light.ambient},
-          {"directional", light.directional},
-          {"specular", light.specular},
-          {"shininess", light.shininess},
-          {"casts_shadow", light.casts_shadow}};
-}
-
-Json background_json(const Background& background) {
-  return {{"kind", to_string(background.kind)},
-          {"level", background.level},
-          {"contrast", background.contrast},
-          {"angle_deg", background.angle_deg},
-          {"cloud_px", background.cloud_px},
-          {"stars_per_megapixel", background.stars_per_megapixel},
-          {"seed", background.seed}};
-}
-
-Json sensor_json(const Sensor& sensor) {
-  return {{"bits", sensor.bits},
-          {"white", std::exp2(sensor.bits) - 1},
-          {"psf_sigma_px", sensor.psf_sigma_px},
-          {"gain", sensor.gain},
-          {"read_noise_grey", sensor.read_noise_grey},
-          {"full_well_electrons", sensor.full_well_electrons},
-          {"dead_fraction", sensor.dead_fraction},
-          {"hot_fraction", sensor.hot_fraction}};
+// What the tables of the keys (scenes/scene/keys.h) state of a part of the scene.
+Json object_of(const std::vector<Fact>& facts) {
+  Json out = Json::object();
+  for (const Fact& fact : facts) {
+    std::visit([&](const auto& value) { out[fact.name] = value; }, fact.value);
+  }
+  return out;
 }
 
 Json scene_json(const Scene& scene) {
-  return {{"light", light_json(scene.light)},
-          {"background", background_json(scene.background)},
-          {"livery", {{"contrast", scene.livery.contrast}, {"stripe_m", scene.livery.stripe_m}}},
-          {"motion",
-           {{"rotation_rad", array_of(scene.motion.rotation_rad)},
-            {"translation_m", array_of(scene.motion.translation_m)},
-            {"samples", scene.motion.samples}}},
-          {"sensor", sensor_json(scene.sensor)},
+  return {{"light", object_of(facts_of(scene.light))},
+          {"background", object_of(facts_of(scene.background))},
+          {"livery", object_of(facts_of(scene.livery))},
+          {"motion", object_of(facts_of(scene.motion))},
+          {"sensor", object_of(facts_of(scene.sensor))},
           {"samples_per_pixel", scene.samples_per_pixel}};
 }
 
@@ -260,7 +225,7 @@ Json truth_of(const SetPlan& plan, const SetImage& image) {
     return truth;
   }
   truth["image"] = plan.format->image_paths(plan, truth).front();
-  truth["camera"] = camera_json(image.frame.truth.camera);
+  truth["camera"] = object_of(facts_of(image.frame.truth.camera));
   truth["z0_m"] = z0_of(image);
   truth["scene"] = scene_json(scene);
   truth["bodies"] = Json::array();
@@ -312,7 +277,7 @@ std::vector<std::string> truth_problems(const fs::path& folder, const SetPlan& p
     return problems;
   }
   expect("image", plan.format->image_paths(plan, truth).front());
-  expect("camera", camera_json(scene.camera));
+  expect("camera", object_of(facts_of(scene.camera)));
   expect("z0_m", scene.cam_from_target.translation.z());
   expect("scene", scene_json(scene));
   const Json& bodies = truth.at("bodies");

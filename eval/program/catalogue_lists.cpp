@@ -94,6 +94,7 @@ std::string catalogue_lists(const std::string& what) {
     known.push_back(name);
     if (what.empty()) all.push_back(list());
   }
+  known.emplace_back("keys");
   if (what.empty()) return fmt::to_string(fmt::join(all, "\n"));
   throw InputError(fmt::format("list: '{}' is not a list{}", what, suggestion(what, known)));
 }

@@ -16,6 +16,7 @@
 #include "eval/program/catalogue_lists.h"
 #include "eval/program/doctor.h"
 #include "eval/program/evaluate_command.h"
+#include "eval/program/key_lists.h"
 #include "eval/program/render_command.h"
 #include "eval/program/run_command.h"
 #include "eval/program/score_command.h"
@@ -73,6 +74,12 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
       arguments.run.out.empty() ? free_folder(study.name) : fs::path(arguments.run.out);
   return run_command(study, arguments.run, out, command);
 }
+
+struct ListArguments {
+  std::string what;
+  std::string table;
+  bool is_markdown = false;
+};
 
 // Who draws: our own rasteriser unless OpenGL is asked for.
 void add_gl(CLI::App& sub, std::string& gl) {
@@ -165,12 +172,29 @@ void add_compare(CLI::App& app, int& exit_code) {
   });
 }
 
+void print_list(const ListArguments& arguments) {
+  if (arguments.what != "keys") {
+    if (!arguments.table.empty() || arguments.is_markdown) {
+      throw InputError("list: a table and --markdown belong to `sightline list keys`");
+    }
+    std::cout << catalogue_lists(arguments.what);
+  } else if (arguments.is_markdown) {
+    if (!arguments.table.empty()) throw InputError("list keys: --markdown is of all tables");
+    std::cout << key_page();
+  } else {
+    std::cout << key_list(arguments.table);
+  }
+}
+
 void add_list(CLI::App& app) {
-  auto what = std::make_shared<std::string>();
-  CLI::App* sub =
-      app.add_subcommand("list", "List targets, extractors, solvers, methods and studies");
-  sub->add_option("what", *what, "targets, extractors, solvers, methods or studies; all without");
-  sub->callback([what] { std::cout << catalogue_lists(*what); });
+  auto arguments = std::make_shared<ListArguments>();
+  CLI::App* sub = app.add_subcommand(
+      "list", "List targets, extractors, solvers, methods and studies, or the keys of files");
+  sub->add_option("what", arguments->what,
+                  "targets, extractors, solvers, methods, studies or keys; all but keys without");
+  sub->add_option("table", arguments->table, "Of keys: their table, for example image [all]");
+  sub->add_flag("--markdown", arguments->is_markdown, "Of keys: as the page docs/keys.md");
+  sub->callback([arguments] { print_list(*arguments); });
 }
 
 void add_target(CLI::App& app) {

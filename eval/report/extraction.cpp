@@ -12,6 +12,7 @@
 
 #include "eval/output/text.h"
 #include "eval/report/figures.h"
+#include "eval/report/panels.h"
 #include "eval/statistics/statistics.h"
 
 namespace sightline {
@@ -195,7 +196,7 @@ std::string extraction_figure(const ReportInput& input) {
           {"caption", fmt::format("Features over {}.",
                                   counted(static_cast<int64_t>(input.trials.size()), "trial"))},
           {"features", features},
-          {"outlier_px", fmt::to_string(images->setups.front().limits.outlier_px)},
+          {"outlier_px", outlier_limit_px(*images)},
           {"extractors", extractor_names(images->setups.front())},
           {"has_conditions", input.study.conditions.size() > 1},
           {"conditions", condition_groups(input)},

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
 #include <string_view>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "eval/output/text.h"
 #include "eval/summary/summary.h"
@@ -176,6 +178,15 @@ std::vector<TrialGroup> trial_groups(const Study& study) {
     groups.push_back({study.conditions[i].label, static_cast<int>(i)});
   }
   return groups;
+}
+
+std::string outlier_limit_px(const ImageStudy& study) {
+  std::set<double> limits;
+  for (const ImageSetup& setup : study.setups) limits.insert(setup.limits.outlier_px);
+  const std::string last = fmt::to_string(*limits.rbegin());
+  if (limits.size() == 1) return last;
+  limits.erase(std::prev(limits.end()));
+  return fmt::format("the swept {} or {}", fmt::join(limits, ", "), last);
 }
 
 std::string chart_id(const std::string& group, size_t number) {

@@ -56,6 +56,10 @@ struct TrialGroup {
 
 std::vector<TrialGroup> trial_groups(const Study& study);
 
+/// How far from the truth, in pixels, a feature of an image study is an outlier: "5", or "the swept
+/// 2, 5 or 8" where conditions differ in it. "0" of another study.
+std::string outlier_limit_px(const ImageStudy& study);
+
 /// "cumulative-theta-2": an id of the chart with this number in its group.
 std::string chart_id(const std::string& group, size_t number);
 

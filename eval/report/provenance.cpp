@@ -7,6 +7,7 @@
 
 #include "eval/output/text.h"
 #include "eval/report/figures.h"
+#include "eval/report/panels.h"
 
 namespace sightline {
 namespace {
@@ -136,7 +137,6 @@ std::string repeat_command(const ReportInput& input) {
 std::string provenance_figure(const ReportInput& input) {
   const auto typed = input.meta.find("command");
   const ImageStudy* const images = input.study.images();
-  const double outlier_px = images == nullptr ? 0 : images->setups.front().limits.outlier_px;
   const OrientationStudy* const orientation = input.study.orientation();
   const PointPairs pairs = orientation == nullptr ? PointPairs{} : orientation->pairs;
   const bool has_typed = typed != input.meta.end();
@@ -146,7 +146,7 @@ std::string provenance_figure(const ReportInput& input) {
           {"repeat", repeat_command(input)},
           {"has_typed", has_typed},
           {"typed", has_typed ? typed->second : ""},
-          {"outlier_px", fmt::to_string(outlier_px)},
+          {"outlier_px", images == nullptr ? "0" : outlier_limit_px(*images)},
           {"rendered", input.study.renders()},
           {"images", images != nullptr},
           {"orientation", orientation != nullptr},

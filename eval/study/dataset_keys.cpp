@@ -4,29 +4,18 @@
 // The keys of [dataset]: an image study whose images, cameras and poses are somebody's.
 #include <fmt/format.h>
 
+#include "eval/study/key_tables.h"
 #include "eval/study/study_keys.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {
 
-constexpr int kMostBits = 16;
-
 SightingSource read_source(const TomlTable& table) {
-  const TomlTable dataset = table.table("dataset");
-  const std::vector<std::string> axes = {"target", "file"};
   SightingSource source;
-  source.folder = dataset.text("path");
-  source.split = dataset.text("split", "");
-  if (dataset.has("object")) {
-    source.obj_id = static_cast<int>(dataset.integer("object", {0, 1e9}));
-  }
-  source.is_of_file_axes = dataset.choice("axes", axes, axes[0]) == axes[1];
-  source.box_tolerance = dataset.number("box_tolerance", {0, 1e6}, source.box_tolerance);
-  source.priors = dataset.text("priors", "");
-  const std::vector<double> k =
-      table.table("camera").numbers("distortion", 5, std::vector<double>(5, 0.0));
-  source.distortion = {.k1 = k[0], .k2 = k[1], .p1 = k[2], .p2 = k[3], .k3 = k[4]};
+  int bits = kMostBits;
+  read_keys(table, dataset_keys(source, bits));
+  source.distortion = read_lens(table.table("camera"));
   return source;
 }
 
@@ -57,7 +46,9 @@ SceneLaw dataset_scene(const TomlTable& table, const ImageStudy& images) {
   law.target = images.target;
   law.features = images.features;
   law.camera = images.sighted->sightings->front().camera;
-  law.bits = static_cast<int>(table.table("dataset").integer("bits", {1, kMostBits}, kMostBits));
+  SightingSource source;
+  law.sensor.bits = kMostBits;
+  read_keys(table, dataset_keys(source, law.sensor.bits));
   return law;
 }
 

@@ -7,14 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "eval/study/key_tables.h"
 #include "eval/study/study_keys.h"
 #include "eval/study/sweep_keys.h"
 
 namespace sightline {
 namespace {
-
-// Of the mesh's triangles: a model of the target that somebody made for another purpose.
-constexpr double kBiasMeshPercent = 50;
 
 // Tables of an image study whose keys can be swept, and of one whose images are a data set's.
 const std::vector<std::string> kSweptOfDataset = {"prior", "extraction"};
@@ -36,17 +34,8 @@ std::map<std::string, PaperFigure> read_paper_figures(const TomlTable& table) {
   return figures;
 }
 
-const FeatureExtractor* read_extractor(const TomlTable& table, const char* key, FeatureKind kind,
-                                       const std::string& fallback) {
-  std::vector<std::string> names;
-  for (const FeatureExtractor& extractor : feature_extractors()) {
-    if (extractor.finds(kind)) names.emplace_back(extractor.name);
-  }
-  return find_feature_extractor(table.choice(key, names, fallback));
-}
-
 // What a user would know of the sensor: its noise in the middle of the range, grey levels of 255.
-double typical_noise_sd_grey(const SceneLaw& law) {
+double typical_noise_sd_grey(const SensorLaw& law) {
   const auto middle = [](const Range& range) { return (range.min + range.max) / 2; };
   const double read = middle(law.read_noise_grey);
   const double electrons = middle(law.full_well_electrons);
@@ -55,58 +44,19 @@ double typical_noise_sd_grey(const SceneLaw& law) {
 }
 
 // A data set's frames are not drawn by a law that would say their noise.
-void read_extraction(const TomlTable& table, bool is_noise_known, ImageSetup& setup) {
-  setup.extractors.line_intersection = read_extractor(
-      table, "line_intersection", FeatureKind::kLineIntersection, "hough_intersection");
-  setup.extractors.corner =
-      read_extractor(table, "corner", FeatureKind::kCorner, "shi_tomasi_nearest");
-  setup.extractors.contour = read_extractor(table, "contour", FeatureKind::kContour, "contour");
-  setup.passes = static_cast<int>(table.integer("passes", {1, 10}, 1));
-  const std::vector<std::string> removals = {"off", "wrong_light", "known_light"};
-  const std::string removal = table.choice("bias_removal", removals, removals[0]);
-  if (removal != "off") {
-    setup.bias_removal =
-        removal == "known_light" ? BiasRemoval::kKnownLight : BiasRemoval::kWrongLight;
+void read_extraction(const TomlTable& file, bool is_noise_known, ImageSetup& setup) {
+  setup.extractors = default_extractors();
+  if (is_noise_known) {
+    setup.extractor_options.search.noise_sd_grey = typical_noise_sd_grey(setup.scene.sensor);
   }
-  const double kept_percent = table.number("bias_mesh_percent", {1, 100}, kBiasMeshPercent);
+  double mesh_fraction = kBiasMeshFraction;
+  // The lower threshold bounds the upper one, so that it is read before the table is made anew.
+  read_key(file.table("extraction").table("lines"),
+           find_key(extraction_keys(setup, mesh_fraction), "canny_low"));
+  read_keys(file, extraction_keys(setup, mesh_fraction));
   if (setup.bias_removal != BiasRemoval::kOff) {
-    setup.bias_target = decimated(setup.scene.target, kept_percent / 100);
+    setup.bias_target = decimated(setup.scene.target, mesh_fraction);
   }
-  ExtractorOptions& options = setup.extractor_options;
-  double& noise = options.search.noise_sd_grey;
-  if (is_noise_known) noise = typical_noise_sd_grey(setup.scene);
-  noise = table.number("noise_sd_grey", {0, 255}, noise);
-  options.window_half_px =
-      static_cast<int>(table.integer("window_half_px", {4, 512}, options.window_half_px));
-  LabelLimits& limits = setup.limits;
-  limits.outlier_px = table.number("outlier_px", {0.01, 1000}, limits.outlier_px);
-  if (table.has("outlier_sigmas")) {
-    limits.outlier_sigmas = table.number("outlier_sigmas", {0.1, 1e6});
-  }
-  limits.line_px = table.number("line_px", {0.01, 1000}, limits.line_px);
-  limits.least_contrast_grey =
-      table.number("least_contrast_grey", {0, 255}, limits.least_contrast_grey);
-
-  const TomlTable lines = table.table("lines");
-  LineOptions& line = options.line;
-  line.direction_tolerance_deg =
-      lines.number("direction_tolerance_deg", {0.1, 90}, line.direction_tolerance_deg);
-  line.min_votes = static_cast<int>(lines.integer("min_votes", {2, 1000}, line.min_votes));
-  line.min_edge_pixels =
-      static_cast<int>(lines.integer("min_edge_pixels", {3, 1000}, line.min_edge_pixels));
-  line.min_angle_deg = lines.number("min_angle_deg", {1, 89}, line.min_angle_deg);
-  line.canny_low = lines.number("canny_low", {1, 2000}, line.canny_low);
-  line.canny_high = lines.number("canny_high", {line.canny_low, 2000}, line.canny_high);
-
-  const TomlTable corners = table.table("corners");
-  CornerOptions& corner = options.corner;
-  corner.max_corners =
-      static_cast<int>(corners.integer("max_corners", {1, 1000}, corner.max_corners));
-  corner.quality = corners.number("quality", {0.001, 1}, corner.quality);
-  corner.min_contrast_grey =
-      corners.number("min_contrast_grey", {0, 255}, corner.min_contrast_grey);
-  corner.min_distance_px = corners.number("min_distance_px", {0, 100}, corner.min_distance_px);
-  corner.block_px = static_cast<int>(corners.integer("block_px", {3, 31}, corner.block_px));
 }
 
 ImageSetup read_setup(const TomlTable& table, const ImageStudy& study) {
@@ -115,11 +65,10 @@ ImageSetup read_setup(const TomlTable& table, const ImageStudy& study) {
   setup.scene =
       is_drawn ? read_scene_law(table, study.target, study.features) : dataset_scene(table, study);
   setup.prior = read_prior(table.table("prior"));
-  const TomlTable extraction = table.table("extraction");
-  read_extraction(extraction, is_drawn, setup);
+  read_extraction(table, is_drawn, setup);
   if (!is_drawn && setup.bias_removal != BiasRemoval::kOff) {
-    extraction.fail("bias_removal",
-                    "needs a rendered image: of a data set's nobody knows the light");
+    table.table("extraction")
+        .fail("bias_removal", "needs a rendered image: of a data set's nobody knows the light");
   }
   return setup;
 }

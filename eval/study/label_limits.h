@@ -3,6 +3,9 @@
 #pragma once
 
 #include <limits>
+#include <vector>
+
+#include "scenes/scene/keys.h"
 
 namespace sightline {
 
@@ -16,5 +19,8 @@ struct LabelLimits {
   /// 255; 0: every feature does that nothing hides.
   double least_contrast_grey = 0;
 };
+
+/// Their keys, which stand in [extraction].
+std::vector<Key> keys_of(LabelLimits& limits);
 
 }  // namespace sightline

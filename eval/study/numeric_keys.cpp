@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/study/key_tables.h"
 #include "eval/study/study_keys.h"
 #include "eval/study/sweep_keys.h"
 
@@ -42,12 +43,9 @@ Axis read_outlier_counts(const TomlTable& sweep, const TomlTable& outliers,
   return {{0}, false};
 }
 
-void read_planted(const TomlTable& table, NumericStudy& study) {
-  const std::vector<std::string> laws = {"uniform", "fixed", "clustered", "swapped"};
-  const std::array kinds = {OutlierLaw::kUniform, OutlierLaw::kFixed, OutlierLaw::kClustered,
-                            OutlierLaw::kSwapped};
-  study.planted.law = kinds[index_of(table.choice("law", laws, laws[0]), laws, table, "law")];
-  if (table.has("size_px")) study.planted.size_px = read_range(table, "size_px", {0, 1e6});
+void read_planted(const TomlTable& file, NumericStudy& study) {
+  read_keys(file, keys_of(study.planted));
+  const TomlTable table = file.table("outliers");
   if (table.has("model")) read_model(table, study);
 }
 
@@ -56,10 +54,11 @@ void read_numeric_sweep(const TomlTable& table, NumericStudy& study,
   const TomlTable sweep = table.table("sweep");
   const TomlTable noise = table.table("noise");
   const TomlTable outliers = table.table("outliers");
-  const double scale = noise.number("scale", {0, 1000}, 1.0);
-  const Axis noises = read_axis(sweep, "noise_px", {noise, "noise", "pixel_px"}, {0, 1e4});
+  const double scale = read_noise_scale(table);
+  const Axis noises = read_axis(sweep, "noise_px", {noise, "noise", "pixel_px"},
+                                find_key(axis_keys(), "noise.pixel_px").allowed);
   const Axis counts = read_outlier_counts(sweep, outliers, study);
-  read_planted(outliers, study);
+  read_planted(table, study);
   for (const double count : counts.values) {
     const std::string reason =
         why_not_plantable(study.planted, static_cast<int>(count), *study.target, study.features);
@@ -77,12 +76,7 @@ void read_numeric_sweep(const TomlTable& table, NumericStudy& study,
 
 void read_limits(const TomlTable& table, NumericStudy& study) {
   if (!table.has("limits")) return;
-  const TomlTable limits = table.table("limits");
-  study.limits = ClaimLimits{
-      .solver = limits.choice("solver", names_of(pose_solvers()), "orpe"),
-      .theta_error_deg = limits.number("theta_error_deg", {0, 180}),
-      .t_error_percent = limits.number("t_error_percent", {0, 1e6}),
-  };
+  read_keys(table, limit_keys(study.limits.emplace()));
 }
 
 }  // namespace
@@ -98,8 +92,7 @@ NumericStudy read_numeric_study(const TomlTable& table, Study& common) {
   read_position_ranges(poses, study.poses);
   study.prior = read_prior(table.table("prior"));
   study.solving = read_solving(table, "free");
-  const std::vector<std::string> sigmas = {"unknown", "known"};
-  study.is_sigma_known = table.table("solver").choice("sigma", sigmas, sigmas[0]) == sigmas[1];
+  read_keys(table, sigma_keys(study.is_sigma_known));
   study.target = read_target(table);
   study.features = read_features(table, Use::kTrials, *study.target);
   read_numeric_sweep(table, study, common.conditions);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/study/key_tables.h"
 #include "eval/study/study_keys.h"
 #include "eval/study/sweep_keys.h"
 
@@ -30,18 +31,15 @@ void read_methods(const TomlTable& table, OrientationStudy& study) {
 OrientationStudy read_orientation_study(const TomlTable& table, Study& common) {
   OrientationStudy study;
   read_methods(table, study);
-  PointPairs& pairs = study.pairs;
+  read_keys(table, point_keys(study.pairs));
   const TomlTable points = table.table("points");
-  pairs.half_side_m = points.number("half_side_m", {1e-6, 1e9}, pairs.half_side_m);
-  pairs.translation_m = points.number("translation_m", {0, 1e9}, pairs.translation_m);
-  pairs.copies = static_cast<int>(table.integer("copies", {1, 1'000'000}, pairs.copies));
-  pairs.timed_repeats = static_cast<int>(table.integer("timed_repeats", {0, 1'000'000'000}, 0));
-
   const TomlTable sweep = table.table("sweep");
   const TomlTable noise = table.table("noise");
-  const double scale = noise.number("scale", {0, 1000}, 1.0);
-  const Axis sigmas = read_axis(sweep, "sigma", {noise, "noise", "sigma_m"}, {0, 1e9});
-  const Axis counts = read_count_axis(sweep, "points", {points, "points", "count"}, {3, 1e6});
+  const double scale = read_noise_scale(table);
+  const Axis sigmas = read_axis(sweep, "sigma", {noise, "noise", "sigma_m"},
+                                find_key(axis_keys(), "noise.sigma_m").allowed);
+  const Axis counts = read_count_axis(sweep, "points", {points, "points", "count"},
+                                      find_key(axis_keys(), "points.count").allowed);
   for (const double count : counts.values) {
     for (const double sigma : sigmas.values) {
       const std::array coordinates = {

@@ -6,6 +6,33 @@
 
 namespace sightline {
 
+std::vector<Key> keys_of(PlantedOutliers& planted) {
+  return {
+      {"outliers",
+       "law",
+       choice(planted.law, {{"uniform", OutlierLaw::kUniform},
+                            {"fixed", OutlierLaw::kFixed},
+                            {"clustered", OutlierLaw::kClustered},
+                            {"swapped", OutlierLaw::kSwapped}}),
+       {},
+       "",
+       "how outliers are displaced: in a uniform direction by a size of the range or by its upper "
+       "end, all of a trial alike, or by exchange with their mirror images"},
+      {"outliers",
+       "size_px",
+       LowHigh{&planted.size_px},
+       {0, 1e6},
+       "px",
+       "sizes of the displacements"},
+      {"outliers",
+       "model",
+       Described{"none", "a text"},
+       {},
+       "",
+       "outliers.json of an image study, whose failures are replayed instead"},
+  };
+}
+
 std::vector<std::pair<int, int>> mirrored_pairs(const Target& target,
                                                 std::span<const int> features) {
   // Mirrored points of a target's file agree to its printed digits.

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "eval/study/outlier_model.h"
-#include "scenes/scene/scene_law.h"
+#include "scenes/scene/keys.h"
 #include "scenes/target/target.h"
 
 namespace sightline {
@@ -30,6 +30,9 @@ struct PlantedOutliers {
   Range size_px{15, 30};
   std::shared_ptr<const OutlierModel> model;  ///< of kModel
 };
+
+/// The keys of [outliers], but for how many outliers a trial has.
+std::vector<Key> keys_of(PlantedOutliers& planted);
 
 /// Pairs of these features (indices into the target's) that mirror each other in the target's plane
 /// y = 0, port and starboard; a pair names them by their places in `features`.

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/study/key_tables.h"
 #include "eval/study/study_keys.h"
 #include "scenes/files/input_error.h"
 
@@ -15,16 +16,6 @@ namespace sightline {
 namespace {
 
 constexpr const char* kAllFeatures = "all";
-
-void read_outlier_options(const TomlTable& table, OutlierOptions& options) {
-  options.probability = table.number("outlier_probability", {1e-9, 0.5}, options.probability);
-  options.scale_px = table.number("outlier_scale_px", {1e-3, 1e6}, options.scale_px);
-  options.false_alarm_rate =
-      table.number("false_alarm_rate", {1e-9, 0.5}, options.false_alarm_rate);
-  if (table.has("max_removed")) {
-    options.max_removed = static_cast<int>(table.integer("max_removed", {0, 10000}));
-  }
-}
 
 std::vector<PoseInput> read_inputs(const TomlTable& table) {
   std::vector<std::string> known;
@@ -63,12 +54,6 @@ size_t index_of(const std::string& name, const std::vector<std::string>& names,
   return static_cast<size_t>(found - names.begin());
 }
 
-PriorError read_prior(const TomlTable& table) {
-  return {.attitude_deg = table.number("attitude_deg", {0, 90}, 2.0),
-          .range_fraction = table.number("range_percent", {0, 20}, 1.0) / 100,
-          .lateral_px = table.number("lateral_px", {0, 1000}, 3.0)};
-}
-
 Solving read_solving(const TomlTable& table, const std::string& default_start) {
   Solving solving;
   const std::vector<std::string> known = names_of(pose_solvers());
@@ -81,18 +66,9 @@ Solving read_solving(const TomlTable& table, const std::string& default_start) {
   }
   if (solving.solvers.empty()) table.fail("solvers", "is empty, must name at least one solver");
 
-  const TomlTable options = table.table("solver");
-  const std::vector<std::string> starts = {"prior", "free"};
-  solving.start =
-      options.choice("start", starts, default_start) == "prior" ? Start::kPrior : Start::kFree;
-  OrpeOptions& orpe = solving.options.orpe;
-  orpe.rho = options.number("rho", {1, 1e9}, orpe.rho);
-  const std::vector<std::string> finals = {"minimax", "least_squares"};
-  orpe.final = options.choice("final", finals, finals[0]) == finals[0]
-                   ? OrpeOptions::Final::kMinimax
-                   : OrpeOptions::Final::kLeastSquares;
-  read_outlier_options(options, solving.options.outliers);
-  solving.inputs = read_inputs(options);
+  solving.start = default_start == "prior" ? Start::kPrior : Start::kFree;
+  read_keys(table, solver_keys(solving.start, solving.options));
+  solving.inputs = read_inputs(table.table("solver"));
   return solving;
 }
 

@@ -22,6 +22,7 @@
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
 #include "pose/solver.h"
+#include "scenes/scene/prior.h"
 #include "scenes/scene/scene_law.h"
 #include "scenes/target/target.h"
 
@@ -144,7 +145,7 @@ struct NumericCell {
 
 /// What the claim of a numeric study says in numbers: the means of one solver stay below these.
 struct ClaimLimits {
-  std::string solver;
+  std::string solver = "orpe";
   double theta_error_deg = 0;
   double t_error_percent = 0;
 };

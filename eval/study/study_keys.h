@@ -30,9 +30,6 @@ std::vector<std::string> names_of(const Catalogue& catalogue) {
   return names;
 }
 
-/// The table [prior].
-PriorError read_prior(const TomlTable& prior);
-
 /// The solvers and the table [solver].
 Solving read_solving(const TomlTable& study, const std::string& default_start);
 

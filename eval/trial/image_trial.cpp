@@ -68,8 +68,9 @@ std::string render_frame(const ImageStudy& study, uint64_t seed, Renderer& rende
 
 // The same from a data set.
 std::string read_frame(const ImageStudy& study, Trial& trial) {
-  SetFrame shown = read_set_frame(study.target, study.setup_of(trial.record.condition).scene.bits,
-                                  study.sighting_of(trial.record.trial));
+  SetFrame shown =
+      read_set_frame(study.target, study.setup_of(trial.record.condition).scene.sensor.bits,
+                     study.sighting_of(trial.record.trial));
   trial.scene = std::move(shown.scene);
   if (shown.problem.empty()) trial.frame = std::move(shown.frame);
   return shown.problem;

@@ -110,6 +110,7 @@ cv::Mat rendering_at(const Pose& cam_from_target, const Scene& scene, const Imag
   model.sensor.gain = scene.sensor.gain;
   model.sensor.read_noise_grey = 0;
   model.sensor.bits = scene.sensor.bits;
+  model.sensor.is_srgb = scene.sensor.is_srgb;
   if (setup.bias_removal == BiasRemoval::kWrongLight) {
     const Eigen::Vector3d axis =
         model.light.to_light_in_cam.cross(Eigen::Vector3d(0.6, 0.8, 0)).normalized();

@@ -3,15 +3,12 @@
 #include "scenes/scene/scene.h"
 
 #include <algorithm>
-#include <numbers>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
 namespace sightline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // False where a vertex of the target is at or behind the camera's plane.
 bool is_in_front(const Target& target, const Pose& cam_from_target) {
@@ -21,24 +18,6 @@ bool is_in_front(const Target& target, const Pose& cam_from_target) {
 }
 
 }  // namespace
-
-std::string_view to_string(BackgroundKind kind) {
-  constexpr std::string_view kNames[] = {"uniform", "sky", "clouds", "stars", "image"};
-  return kNames[static_cast<int>(kind)];
-}
-
-Pose draw_prior(const Pose& truth_cam_from_target, const Camera& camera, const PriorError& error,
-                RandomStream& stream) {
-  const Eigen::Vector3d& t = truth_cam_from_target.translation;
-  Pose prior;
-  prior.rotation = rotation_from_vector(error.attitude_deg * kDegree * stream.normal3()) *
-                   truth_cam_from_target.rotation;
-  const double range_scale = std::max(0.5, 1 + error.range_fraction * stream.normal());
-  const double x_over_z = t.x() / t.z() + error.lateral_px / camera.fx_px * stream.normal();
-  const double y_over_z = t.y() / t.z() + error.lateral_px / camera.fy_px * stream.normal();
-  prior.translation = range_scale * t.z() * Eigen::Vector3d(x_over_z, y_over_z, 1);
-  return prior;
-}
 
 std::string why_not_imageable(const Scene& scene) {
   for (const OtherBody& other : scene.others) {

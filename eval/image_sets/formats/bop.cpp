@@ -177,6 +177,7 @@ std::vector<Json> list_elements(const SetPlan& plan, const Json& truth) {
 
 std::string dataset_info(const SetPlan& plan) {
   const Camera& camera = plan.images().setups.front().scene.camera;
+  const EncodingText encoding = encoding_text(plan);
   std::string objects;
   for (size_t i = 0; i < plan.objects.size(); ++i) {
     objects += fmt::format("- obj_{:06}: {}\n", i + 1, plan.objects[i]->name);
@@ -188,7 +189,7 @@ std::string dataset_info(const SetPlan& plan) {
 format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
 
 {objects}
-- gray/: linear grey, {bits} bits; white is {white}. Nothing is gamma-encoded.
+- gray/: {grey}, {bits} bits; white is {white}. {encoding}
 - depth/: 16 bits; times depth_scale = {depth_scale} mm it is z of what the pixel's centre sees.
   0 is background. sightline/ has the exact depth (truth: {truth}).
 - mask/: the whole object as if nothing hid it; mask_visib/: what of it is seen. By ids, pixel by
@@ -201,9 +202,10 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
 )",
       fmt::arg("name", plan.study.name), fmt::arg("count", plan.count),
       fmt::arg("version", SIGHTLINE_VERSION), fmt::arg("seed", plan.study.seed),
-      fmt::arg("chunk", plan.chunk), fmt::arg("objects", objects),
-      fmt::arg("bits", plan.images().setups.front().scene.bits),
-      fmt::arg("white", (1 << plan.images().setups.front().scene.bits) - 1),
+      fmt::arg("chunk", plan.chunk), fmt::arg("objects", objects), fmt::arg("grey", encoding.grey),
+      fmt::arg("encoding", encoding.sentence),
+      fmt::arg("bits", plan.images().setups.front().scene.sensor.bits),
+      fmt::arg("white", (1 << plan.images().setups.front().scene.sensor.bits) - 1),
       fmt::arg("depth_scale", plan.depth_scale),
       fmt::arg("truth", plan.has_full_truth ? "full" : "minimal: it has not"),
       fmt::arg("k1", camera.distortion.k1), fmt::arg("k2", camera.distortion.k2),

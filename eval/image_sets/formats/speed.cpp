@@ -57,12 +57,13 @@ std::vector<Json> list_elements(const SetPlan&, const Json& truth) {
 }
 
 std::string conventions(const SetPlan& plan) {
+  const EncodingText encoding = encoding_text(plan);
   return fmt::format(
       R"(# {}
 
 {} images rendered by Sightline {} from scene.toml with seed {}, in the format of SPEED+.
 
-- images/: linear grey; white is {}. Nothing is gamma-encoded.
+- images/: {}; white is {}. {}
 - train.json: x_cam = R(q) x_target + r, q = q_vbs2tango_true scalar first, r = r_Vo2To_vbs_true in
   metres. Camera: x right, y down, z forward.
 - camera.json: as SPEED+ has it, the image's top-left corner is (0, 0), so that the centre of the
@@ -70,8 +71,9 @@ std::string conventions(const SetPlan& plan) {
   fx, fy are in metres of a nominal pixel pitch of {} um.
 - model/target.ply: the target, millimetres.
 )",
-      plan.study.name, plan.count, SIGHTLINE_VERSION, plan.study.seed,
-      (1 << plan.images().setups.front().scene.bits) - 1, 1e6 * kPixelPitch_m);
+      plan.study.name, plan.count, SIGHTLINE_VERSION, plan.study.seed, encoding.grey,
+      (1 << plan.images().setups.front().scene.sensor.bits) - 1, encoding.sentence,
+      1e6 * kPixelPitch_m);
 }
 
 std::vector<SetFile> set_files(const SetPlan& plan) {

@@ -53,11 +53,11 @@ TEST(Study, OverridesCountAndAreKept) {
       read_study("boeing-table1", {.trials = 3, .seed = 9, .set = {"noise.scale=2"}});
   EXPECT_EQ(study.trial_count(), 12);
   EXPECT_EQ(study.seed, 9u);
-  EXPECT_EQ(study.images()->setups.front().scene.noise_scale, 2);
+  EXPECT_EQ(study.images()->setups.front().scene.sensor.noise_scale, 2);
   const Study again = read_study_text(study.toml, "study.toml");
   EXPECT_EQ(again.name, "boeing-table1");
   EXPECT_EQ(again.trial_count(), 12);
-  EXPECT_EQ(again.setups.front().scene.noise_scale, 2);
+  EXPECT_EQ(again.images()->setups.front().scene.sensor.noise_scale, 2);
   EXPECT_EQ(again.toml, study.toml);
 }
 
@@ -128,10 +128,10 @@ TEST(Study, AnyKeyOfASceneCanBeSwept) {
             (std::map<std::string, double>{{"background.level", 0.9}, {"prior.attitude_deg", 2}}));
   EXPECT_EQ(last.words.at("light.casts_shadow"), "true");
   EXPECT_THAT(last.label, HasSubstr("level 0.9, casts_shadow true"));
-  EXPECT_EQ(study.images()->setup_of(3).scene.background_level.max, 0.9);
+  EXPECT_EQ(study.images()->setup_of(3).scene.background.level.max, 0.9);
   EXPECT_EQ(study.images()->setup_of(3).prior.attitude_deg, 2);
   EXPECT_EQ(study.images()->setup_of(0).prior.attitude_deg, 1);
-  EXPECT_TRUE(study.images()->setup_of(0).scene.casts_shadow);
+  EXPECT_TRUE(study.images()->setup_of(0).scene.light.casts_shadow);
   // The cells share their draws, and two draws of a cell are two.
   EXPECT_EQ(study.images()->draw_of(0), study.images()->draw_of(3));
   EXPECT_NE(study.images()->draw_of(0), study.images()->draw_of(4));
@@ -162,7 +162,7 @@ TEST(Study, SeveralSweepsFollowEachOther) {
   ASSERT_EQ(study.conditions.size(), 4u);
   EXPECT_EQ(study.conditions[1].label, "background.level 0.9");
   EXPECT_EQ(study.conditions[3].words.at("background.kind"), "stars");
-  EXPECT_EQ(study.images()->setup_of(3).scene.background_level.max, 0.15);
+  EXPECT_EQ(study.images()->setup_of(3).scene.background.level.max, 0.15);
   EXPECT_EQ(study.images()->setup_of(3).scene.poses.drawn_range_m.max, 1400);
   EXPECT_EQ(study.images()->setup_of(0).scene.poses.drawn_range_m.max, 1500);
 }

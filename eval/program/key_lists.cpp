@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/program/key_lists.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "eval/study/key_tables.h"
+#include "scenes/files/input_error.h"
+#include "scenes/scene/scene_law.h"
+
+namespace sightline {
+namespace {
+
+// A table of a file and its keys.
+struct KeyTable {
+  std::string name;
+  std::vector<KeyText> keys;
+
+  /// As a file writes it: "[image]", "[[other]]"; the keys above all tables have none.
+  std::string heading() const {
+    if (name.empty()) return "Above all tables";
+    const bool is_array = name == "other" || name == "poses.fixed";
+    return is_array ? fmt::format("[[{}]]", name) : fmt::format("[{}]", name);
+  }
+};
+
+// Several parts have keys in one table: they are listed together, where the first of them stands.
+std::vector<KeyTable> all_tables() {
+  std::vector<KeyText> keys = study_keys();
+  for (KeyText& key : scene_keys()) keys.push_back(std::move(key));
+  std::vector<KeyTable> tables;
+  for (KeyText& key : keys) {
+    auto found = std::find_if(tables.begin(), tables.end(),
+                              [&](const KeyTable& table) { return table.name == key.table; });
+    if (found == tables.end()) found = tables.insert(tables.end(), {key.table, {}});
+    found->keys.push_back(std::move(key));
+  }
+  return tables;
+}
+
+std::array<std::string, 4> columns_of(const KeyText& key) {
+  return {key.name, key.unit, key.range, key.fallback};
+}
+
+std::string text_of(const KeyTable& table) {
+  std::array<size_t, 4> widths{};
+  for (const KeyText& key : table.keys) {
+    const auto columns = columns_of(key);
+    for (size_t i = 0; i < columns.size(); ++i) widths[i] = std::max(widths[i], columns[i].size());
+  }
+  std::string out = table.heading() + "\n";
+  for (const KeyText& key : table.keys) {
+    const auto columns = columns_of(key);
+    for (size_t i = 0; i < columns.size(); ++i) {
+      out += fmt::format("  {:<{}}", columns[i], widths[i]);
+    }
+    out += "  " + key.meaning + "\n";
+  }
+  return out;
+}
+
+std::string markdown_of(const KeyTable& table) {
+  std::string out = fmt::format("\n## {}\n", table.heading());
+  out += "| key | unit | range | default | meaning |\n|---|---|---|---|---|\n";
+  for (const KeyText& key : table.keys) {
+    out += fmt::format("| `{}` | {} | {} | {} | {} |\n", key.name, key.unit, key.range,
+                       key.fallback, key.meaning);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string key_list(const std::string& table) {
+  std::string out;
+  std::vector<std::string> known;
+  for (const KeyTable& listed : all_tables()) {
+    known.push_back(listed.name);
+    if (table.empty() || table == listed.name) out += (out.empty() ? "" : "\n") + text_of(listed);
+  }
+  if (!out.empty()) return out;
+  std::erase(known, "");
+  throw InputError(
+      fmt::format("list keys: '{}' is not a table of a file{}", table, suggestion(table, known)));
+}
+
+std::string key_page() {
+  std::string out =
+      "<!-- SPDX-FileCopyrightText: 2026 The Sightline authors -->\n"
+      "<!-- SPDX-License-Identifier: GPL-3.0-or-later -->\n"
+      "\n# The keys of scene and study files\n\n"
+      "Printed by `sightline list keys --markdown`, from the tables that read the files: do not\n"
+      "edit. A key with a range \"or [low, high]\" is drawn anew for every image, uniformly.\n";
+  for (const KeyTable& table : all_tables()) out += markdown_of(table);
+  return out;
+}
+
+}  // namespace sightline

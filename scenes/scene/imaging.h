@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The camera and the samples of its pixels: the keys of [camera], and samples_per_pixel of [image].
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pose/camera.h"
+#include "scenes/scene/keys.h"
+
+namespace sightline {
+
+/// The numbers of samples that a pixel may have.
+inline constexpr std::array kSampleCounts = {1, 4, 8, 16, 32, 64, 256};
+
+/// Samples of a pixel where nothing else is said.
+inline constexpr int kSamplesPerPixel = 16;
+
+/// What a file says of the camera, which is the same in all scenes. Where it gives no principal
+/// point, that is the image's centre.
+struct CameraLaw {
+  int width_px = Camera{}.width_px;
+  int height_px = Camera{}.height_px;
+  double f_px = 0;
+  std::vector<double> principal_point_px = {0, 0};
+  std::vector<double> distortion = {0, 0, 0, 0, 0};  ///< k1, k2, p1, p2, k3
+};
+
+std::vector<Key> keys_of(CameraLaw& law);
+
+/// The key samples_per_pixel, which is the same in all scenes.
+std::vector<Key> keys_of_sampling(int& law, int& samples_per_pixel);
+
+/// The camera that [camera] is. Throws InputError.
+Camera read_camera(const TomlTable& table);
+
+/// The lens of a [camera]. Throws InputError.
+BrownConrady read_lens(const TomlTable& table);
+
+/// One of kSampleCounts. Throws InputError.
+int read_samples_per_pixel(const TomlTable& file);
+
+/// What the truth states of a camera.
+std::vector<Fact> facts_of(const Camera& camera);
+
+}  // namespace sightline

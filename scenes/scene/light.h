@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The light: the keys of [light].
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "pose/pose.h"
+#include "scenes/scene/keys.h"
+
+namespace sightline {
+
+/// One distant light and an even glow: grey = albedo (ambient + directional max(0, n . l)) +
+/// specular max(0, n . h)^shininess, h half way between light and eye (Blinn 1977), where
+/// n . l > 0 and no shadow falls.
+struct Light {
+  Eigen::Vector3d to_light_in_cam = -Eigen::Vector3d::UnitZ();  ///< unit vector; default: headlight
+  double ambient = 0.30;
+  double directional = 0.75;
+  double specular = 0;
+  double shininess = 20;
+  bool casts_shadow = false;  ///< all bodies shade each other and themselves from `directional`
+};
+
+/// What a file says of the light. The defaults are those of a frame, but for the direction.
+struct LightLaw {
+  Range ambient = Light{}.ambient;
+  Range directional = Light{}.directional;
+  Range specular = Light{}.specular;
+  Range shininess = Light{}.shininess;
+  bool casts_shadow = Light{}.casts_shadow;
+  double cone_deg = 45;  ///< the direction is uniform in that cone about the one to the camera ...
+  std::optional<Range> phase_deg;  ///< ... or at this angle from it,
+  Range azimuth_deg{0, 360};       ///< towards this side; 0 is image right, 90 down
+};
+
+std::vector<Key> keys_of(LightLaw& law, Light& light);
+
+/// Throws InputError.
+LightLaw read_light(const TomlTable& file);
+
+/// The light of one scene, whose target has this pose.
+Light draw_light(LightLaw law, const Pose& cam_from_target, const Draws& draws);
+
+/// What the truth states of a light.
+std::vector<Fact> facts_of(Light light);
+
+}  // namespace sightline

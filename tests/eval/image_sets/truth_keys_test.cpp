@@ -1,0 +1,100 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// What an image set states of how its images were made: nothing is forgotten, nothing is false.
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "eval/image_sets/set_format.h"
+#include "eval/image_sets/truth.h"
+
+namespace sightline {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+SetPlan plan_with(const std::string& format, std::vector<std::string> settings) {
+  for (const char* setting : {"camera.width_px=64", "camera.height_px=64", "camera.f_px=250",
+                              "image.samples_per_pixel=1"}) {
+    settings.emplace_back(setting);
+  }
+  SetRequest request;
+  request.source = "cube";
+  request.overrides.set = settings;
+  request.count = 1;
+  request.format = format;
+  return plan_set(request);
+}
+
+Json truth_with(const std::vector<std::string>& settings) {
+  const SetPlan plan = plan_with("bop", settings);
+  Renderer renderer;
+  return truth_of(plan, render_image(plan, 0, renderer));
+}
+
+// Whether the truth has a value at a place such as "scene.sensor.gain". Of lists, their last.
+bool has_value(Json truth, const std::string& place) {
+  std::stringstream parts(place);
+  for (std::string part; std::getline(parts, part, '.');) {
+    if (truth.is_array()) truth = Json(truth.back());
+    if (!truth.is_object() || !truth.contains(part)) return false;
+    truth = Json(truth.at(part));
+  }
+  return !place.empty() && !truth.is_null();
+}
+
+std::vector<std::string> keys_missing_in(const Json& truth) {
+  std::vector<std::string> missing;
+  for (const KeyText& key : scene_keys()) {
+    if (!has_value(truth, key.truth)) missing.push_back(key.table + "." + key.name);
+  }
+  return missing;
+}
+
+TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
+  Json truth = truth_with({"other=[{target='cube', scale=0.1}]"});
+  EXPECT_THAT(keys_missing_in(truth), IsEmpty());
+  for (const char* fact : {"is_srgb", "defect_seed"}) {
+    EXPECT_TRUE(truth["scene"]["sensor"].contains(fact)) << fact;
+  }
+  EXPECT_EQ(truth["scene"]["background"]["star_level"], 1.0);
+  truth["scene"]["sensor"].erase("is_srgb");
+  EXPECT_THAT(keys_missing_in(truth), ElementsAre("image.encoding"));
+}
+
+TEST(Truth, StatesTheEncoding) {
+  EXPECT_EQ(truth_with({"image.encoding=srgb"})["scene"]["sensor"]["is_srgb"], true);
+  EXPECT_EQ(truth_with({})["scene"]["sensor"]["is_srgb"], false);
+}
+
+// All texts that describe a set.
+std::string descriptions_of(const SetPlan& plan) {
+  std::string text;
+  for (const SetFile& file : plan.format->set_files(plan)) {
+    if (file.path.ends_with(".md")) text += file.bytes;
+  }
+  return text;
+}
+
+TEST(SetDescription, StatesTheEncodingAsItIs) {
+  for (const std::string format : {"bop", "speed"}) {
+    const std::string linear = descriptions_of(plan_with(format, {}));
+    EXPECT_THAT(linear, HasSubstr("Nothing is gamma-encoded."));
+    EXPECT_THAT(linear, HasSubstr("linear grey"));
+    const std::string srgb = descriptions_of(plan_with(format, {"image.encoding=srgb"}));
+    EXPECT_THAT(srgb, Not(HasSubstr("Nothing is gamma-encoded.")));
+    EXPECT_THAT(srgb, Not(HasSubstr("linear grey")));
+    EXPECT_THAT(srgb, HasSubstr("sRGB-encoded grey"));
+    const std::string both =
+        descriptions_of(plan_with(format, {"sweep={'image.encoding'=['linear', 'srgb']}"}));
+    EXPECT_THAT(both, HasSubstr("Some images are linear, others sRGB-encoded"));
+  }
+}
+
+}  // namespace
+}  // namespace sightline

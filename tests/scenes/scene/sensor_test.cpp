@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/scene/sensor.h"
+
+#include <map>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/scenes/scene/laws_for_tests.h"
+
+namespace sightline {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(SensorKeys, TheScaleMultipliesAllNoiseAndNothingElse) {
+  const SceneLaw law = law_of(
+      "[noise]\nscale = 2\nread_noise_grey = 3\nfull_well_electrons = 4000\n"
+      "dead_fraction = 0.1");
+  const Sensor sensor = draw_scene(law, 0, 7, 0).scene.sensor;
+  EXPECT_EQ(sensor.read_noise_grey, 6);
+  EXPECT_EQ(sensor.full_well_electrons, 1000);
+  EXPECT_EQ(sensor.dead_fraction, 0.1);
+  EXPECT_EQ(sensor.defect_seed, 7u);
+  const Sensor quiet =
+      draw_scene(law_of("[noise]\nscale = 0\nfull_well_electrons = 9"), 0, 7, 0).scene.sensor;
+  EXPECT_EQ(quiet.read_noise_grey, 0);
+  EXPECT_EQ(quiet.full_well_electrons, 0);
+}
+
+TEST(SensorKeys, EveryNumberOfASensorIsAFact) {
+  const Sensor sensor =
+      draw_scene(law_of("[image]\nencoding = \"srgb\"\nbits = 10"), 0, 7, 0).scene.sensor;
+  std::map<std::string, FactValue> facts;
+  for (const Fact& fact : facts_of(sensor)) facts[fact.name] = fact.value;
+  EXPECT_EQ(facts.size(), 10u);
+  EXPECT_EQ(facts.at("bits"), FactValue(int64_t{10}));
+  EXPECT_EQ(facts.at("white"), FactValue(1023.0));
+  EXPECT_EQ(facts.at("is_srgb"), FactValue(true));
+  EXPECT_EQ(facts.at("defect_seed"), FactValue(int64_t{7}));
+  EXPECT_EQ(facts.at("psf_sigma_px"), FactValue(0.7));
+}
+
+TEST(SensorKeys, MistakesGetOneClearLine) {
+  EXPECT_THAT(law_error("[image]\npsf = 1"), HasSubstr("not a known key"));
+  EXPECT_THAT(law_error("[image]\nencoding = \"sRGB\""), HasSubstr("did you mean 'srgb'"));
+}
+
+}  // namespace
+}  // namespace sightline
