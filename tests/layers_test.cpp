@@ -43,7 +43,7 @@ const Rooms kEvalRooms = {
     {"tables", {"output", "study", "summary"}},
     {"target", {"statistics"}},
     {"summary", {"records", "statistics", "study"}},
-    {"results", {"records", "study"}},
+    {"results", {"output", "records", "study"}},
     {"trial", {"datasets", "records", "statistics", "study"}},
     {"study", {"datasets", "records"}},
     {"records", {}},

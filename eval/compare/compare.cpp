@@ -15,7 +15,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/html.h"
 #include "eval/output/text_table.h"
 #include "eval/results/store.h"
 #include "eval/summary/summary.h"

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/html.h"
 
 namespace sightline {
 namespace {

@@ -11,7 +11,7 @@
 
 #include <fmt/format.h>
 
-#include "eval/output/text.h"
+#include "eval/output/words.h"
 #include "eval/summary/summary.h"
 
 namespace sightline {

@@ -20,7 +20,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "eval/output/text.h"
+#include "eval/output/numbers.h"
+#include "eval/output/words.h"
 #include "eval/report/chart_js.h"
 #include "eval/report/evidence.h"
 #include "eval/report/frame_svg.h"
