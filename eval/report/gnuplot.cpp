@@ -3,16 +3,14 @@
 #include "eval/report/gnuplot.h"
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "eval/output/output_folder.h"
+#include "scenes/files/child_process.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -20,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kNotFound = 127;  // the exit code of a program that is not there
 constexpr std::string_view kInk = "#1d2126";
 
 // In single quotes, where gnuplot takes all but the quote as it stands. Scripts switch off its
@@ -149,23 +146,7 @@ std::string colour_script(const Chart& chart) {
 int run_gnuplot(const fs::path& folder, std::span<const Chart> charts) {
   std::vector<std::string> arguments = {"gnuplot"};
   for (const Chart& chart : charts) arguments.push_back(chart.id + ".gp");
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  pid_t process = 0;
-  const int error = posix_spawnp(&process, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return kNotFound;
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return run_program(std::move(arguments), folder);
 }
 
 }  // namespace
@@ -227,7 +208,7 @@ std::string write_figures(const fs::path& folder, std::span<const Chart> charts)
   switch (run_gnuplot(folder, charts)) {
     case 0:
       return "";
-    case kNotFound:
+    case kProgramNotFound:
       return "gnuplot is not installed: figures/ holds scripts and data, but no .svg";
     default:
       return "gnuplot failed: figures/ holds scripts and data, and not every .svg";
