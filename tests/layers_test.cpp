@@ -34,7 +34,7 @@ const Rooms kEvalRooms = {
     {"program",
      {"compare", "image_sets", "output", "report", "run", "score", "study", "tables", "target",
       "work"}},
-    {"compare", {"output", "results", "statistics", "summary"}},
+    {"compare", {"output", "records", "results", "statistics", "summary"}},
     {"score", {"datasets", "output", "report", "statistics", "summary"}},
     {"image_sets", {"datasets", "output", "study", "work"}},
     {"run", {"output", "report", "results", "study", "summary", "trial", "work"}},
@@ -43,7 +43,7 @@ const Rooms kEvalRooms = {
     {"tables", {"output", "study", "summary"}},
     {"target", {"statistics"}},
     {"summary", {"records", "statistics", "study"}},
-    {"results", {"records", "study"}},
+    {"results", {"output", "records", "study"}},
     {"trial", {"datasets", "records", "statistics", "study"}},
     {"study", {"datasets", "records"}},
     {"records", {}},
@@ -81,7 +81,7 @@ const std::map<std::string, std::string> kCatalogues = {
 
 // Libraries that are slow to compile or tied to a platform: only .cpp files may name them.
 const std::vector<std::string> kHeavy = {"osmesa.h", "assimp/", "CGAL/",    "tiny_gltf",
-                                         "SQLite",   "toml++",  "mustache", "Random123"};
+                                         "SQLite",   "toml++",  "mustache", "Random123", "pugixml"};
 
 struct Include {
   fs::path file;

@@ -11,6 +11,9 @@
 
 namespace sightline {
 
+/// A change counts where its p-value, adjusted over all numbers that are compared, is below this.
+inline constexpr double kVerdictLevel = 0.05;
+
 enum class Verdict { kUnchanged, kBetter, kWorse, kMissing };
 
 /// One number of a cell in two runs: the mean geodesic error or T_error, capped as in summary.json,
@@ -55,18 +58,12 @@ struct Comparison {
 /// only less sensitive, as what these have in common then counts as noise.
 ///
 /// A number is worse or better where the interval of its change lies beyond the tolerance and its
-/// p, adjusted by Holm over all numbers of the comparison, is below 0.05. `tolerance` is what is
-/// allowed on top: a change of a mean by that part of the base's mean, of failures by that part of
-/// the trials.
+/// p, adjusted by Holm over all numbers of the comparison, is below kVerdictLevel. `tolerance` is
+/// what is allowed on top: a change of a mean by that part of the base's mean, of failures by that
+/// part of the trials.
 ///
 /// Throws InputError for what cannot be read, and for runs of different studies.
 Comparison compare_runs(const std::filesystem::path& base, const std::filesystem::path& now,
                         double tolerance);
-
-/// What changed, as a table for the terminal, as Markdown (with all cells), and as JUnit XML with a
-/// test case a cell.
-std::string to_text(const Comparison& comparison);
-std::string to_markdown(const Comparison& comparison);
-std::string to_junit(const Comparison& comparison);
 
 }  // namespace sightline

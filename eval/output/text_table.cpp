@@ -3,7 +3,6 @@
 #include "eval/output/text_table.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -113,13 +112,6 @@ std::string wrapped(std::string_view text) {
     line += line.empty() ? word : " " + word;
   }
   return lines + line + "\n";
-}
-
-std::string number_text(double value, int decimals) {
-  if (!std::isfinite(value)) return "-";
-  const std::string text = fmt::format("{:.{}f}", value, decimals);
-  const bool is_zero = text.find_first_of("123456789") == std::string::npos;
-  return is_zero && text.front() == '-' ? text.substr(1) : text;
 }
 
 std::string text_block(const std::string& heading, const std::vector<std::string>& labels,

@@ -35,7 +35,4 @@ std::string shortened(const std::string& text, size_t columns);
 /// The text in lines that break at spaces; a word longer than a line is shortened.
 std::string wrapped(std::string_view text);
 
-/// Fixed point, zero without a sign; "-" for what is not finite.
-std::string number_text(double value, int decimals);
-
 }  // namespace sightline

@@ -12,6 +12,8 @@
 #include <unistd.h>
 
 #include "eval/compare/compare.h"
+#include "eval/compare/compare_text.h"
+#include "eval/compare/junit.h"
 #include "eval/output/output_folder.h"
 #include "eval/program/catalogue_lists.h"
 #include "eval/program/doctor.h"

@@ -2,17 +2,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/program/score_command.h"
 
+#include <array>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/output/csv.h"
 #include "eval/output/json.h"
+#include "eval/output/numbers.h"
 #include "eval/output/output_folder.h"
 #include "eval/output/text_table.h"
 #include "eval/report/gnuplot.h"
@@ -88,41 +94,65 @@ std::string scores_json(const ScoreArguments& arguments, const BopScores& scores
 
 // ---- errors.csv
 
-constexpr std::string_view kPairNames =
-    ",mssd_mm,mspd_px,add_mm,adi_mm,theta_error_deg,t_error_percent,geodesic_deg,projection_px,"
-    "speed_score,speed_plus_score,is_within_5deg_5cm";
+// A number of a pair of a target and an estimate of it.
+struct PairColumn {
+  std::string_view name;
+  double BopPair::*number;
+};
+constexpr std::array kPairColumns = {PairColumn{"mssd_mm", &BopPair::mssd_mm},
+                                     PairColumn{"mspd_px", &BopPair::mspd_px},
+                                     PairColumn{"add_mm", &BopPair::add_mm},
+                                     PairColumn{"adi_mm", &BopPair::adi_mm},
+                                     PairColumn{"theta_error_deg", &BopPair::theta_error_deg},
+                                     PairColumn{"t_error_percent", &BopPair::t_error_percent},
+                                     PairColumn{"geodesic_deg", &BopPair::geodesic_deg},
+                                     PairColumn{"projection_px", &BopPair::projection_px},
+                                     PairColumn{"speed_score", &BopPair::speed_score},
+                                     PairColumn{"speed_plus_score", &BopPair::speed_plus_score}};
+constexpr std::array<std::string_view, 4> kTargetNames{"scene_id", "im_id", "obj_id", "gt_id"};
+constexpr std::array<std::string_view, 3> kEstimateNames{"line", "score", "is_chosen"};
+constexpr std::string_view kWithinName = "is_within_5deg_5cm";
+// All but the target's.
+constexpr size_t kPairFields = kEstimateNames.size() + kPairColumns.size() + 1 + kBopThresholds;
 
 std::string errors_header() {
-  std::string header = "scene_id,im_id,obj_id,gt_id,line,score,is_chosen";
-  header += kPairNames;
-  for (int i = 0; i < kBopThresholds; ++i) header += fmt::format(",vsd_{:.2f}", bop_fraction(i));
-  return header + "\n";
+  CsvLine header;
+  for (const std::string_view name : kTargetNames) header << name;
+  for (const std::string_view name : kEstimateNames) header << name;
+  for (const PairColumn& column : kPairColumns) header << column.name;
+  header << kWithinName;
+  for (int i = 0; i < kBopThresholds; ++i) header << fmt::format("vsd_{:.2f}", bop_fraction(i));
+  return std::move(header).end();
 }
 
-void write_pair(std::ostream& out, const BopPair& p, const BopEstimate& estimate, bool is_chosen) {
-  out << fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{}", estimate.line, estimate.score,
-                     is_chosen ? 1 : 0, p.mssd_mm, p.mspd_px, p.add_mm, p.adi_mm, p.theta_error_deg,
-                     p.t_error_percent, p.geodesic_deg, p.projection_px, p.speed_score,
-                     p.speed_plus_score, p.is_within_5deg_5cm ? 1 : 0);
-  for (int i = 0; i < kBopThresholds; ++i) {
-    out << (p.vsd.empty() ? "," : fmt::format(",{}", p.vsd[i]));
-  }
-  out << "\n";
+CsvLine target_line(const BopImage& image, const BopTarget& target) {
+  CsvLine line;
+  line << image.scene_id << image.im_id << target.obj_id << static_cast<int64_t>(target.instance);
+  return line;
+}
+
+void add_pair(CsvLine& line, const BopPair& pair, const BopEstimate& estimate, bool is_chosen) {
+  line << estimate.line << estimate.score << int{is_chosen};
+  for (const PairColumn& column : kPairColumns) line << pair.*column.number;
+  line << int{pair.is_within_5deg_5cm};
+  if (pair.vsd.empty()) line.empty_fields(kBopThresholds);
+  for (const double error : pair.vsd) line << error;
 }
 
 // A row a target and estimate of it that counts; a target without any has one row without numbers.
 void write_errors(const BopDataset& dataset, std::span<const BopEstimate> estimates,
                   const BopScores& scores, std::ostream& out) {
-  constexpr size_t kPairColumns = 14 + kBopThresholds;
   out << errors_header();
   for (const BopTarget& target : scores.targets) {
     const BopImage& image = dataset.images[target.image];
-    const std::string key =
-        fmt::format("{},{},{},{}", image.scene_id, image.im_id, target.obj_id, target.instance);
-    if (target.pairs.empty()) out << key << std::string(kPairColumns, ',') << "\n";
+    if (target.pairs.empty()) {
+      out << std::move(target_line(image, target).empty_fields(kPairFields)).end();
+    }
     for (size_t i = 0; i < target.pairs.size(); ++i) {
-      out << key;
-      write_pair(out, target.pairs[i], estimates[target.pairs[i].estimate], target.chosen == i);
+      const BopPair& pair = target.pairs[i];
+      CsvLine line = target_line(image, target);
+      add_pair(line, pair, estimates[pair.estimate], target.chosen == i);
+      out << std::move(line).end();
     }
   }
 }
@@ -134,7 +164,7 @@ TextGroup rate_group(const std::string& name, const std::vector<BopRate>& rates)
   for (const BopRate& rate : rates) {
     group.columns[0].cells.push_back(number_text(rate.value, 4));
     group.columns[1].cells.push_back(
-        fmt::format("[{}, {}]", number_text(rate.ci95[0], 4), number_text(rate.ci95[1], 4)));
+        bracketed(number_text(rate.ci95[0], 4), number_text(rate.ci95[1], 4)));
   }
   return group;
 }

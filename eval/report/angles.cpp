@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "eval/output/text.h"
+#include "eval/output/numbers.h"
 #include "eval/report/figures.h"
 #include "eval/report/panels.h"
 #include "eval/statistics/statistics.h"

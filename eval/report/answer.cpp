@@ -12,39 +12,17 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/numbers.h"
+#include "eval/output/words.h"
 #include "eval/report/figures.h"
 #include "eval/report/means.h"
+#include "eval/report/page_text.h"
 #include "eval/statistics/statistics.h"
 
 namespace sightline {
 namespace {
 
 namespace mustache = kainjow::mustache;
-
-constexpr const char* kAnswerTemplate = R"html(
-{{#has_question}}<p class="question">{{question}}</p>{{/has_question}}
-<p class="lead">{{opening}}</p>
-<ul class="findings">
-{{#solvers}}
-<li><strong>{{solver}}</strong>{{#evaluation_only}} <span class="note">({{summary}}, which only an
-evaluation can know)</span>{{/evaluation_only}}: mean
-<i>θ</i> error <b>{{theta}}°</b> <span class="interval">{{theta_interval}}</span>,
-<i>T</i> error <b>{{t}}&nbsp;%</b> <span class="interval">{{t_interval}}</span>{{#has_failures}};
-{{failures}}{{/has_failures}}.{{#has_paper}}
-<span class="paper">{{paper_words}} {{paper_theta}}° and
-{{paper_t}}&nbsp;%.</span>{{/has_paper}}</li>
-{{/solvers}}
-</ul>
-{{#comparisons}}
-<p>{{.}}</p>
-{{/comparisons}}
-<p class="note">Means over all trials, each error capped at {{angle_cap}}° and {{t_cap}}&nbsp;%, a
-trial without a
-pose counting as the cap; in brackets the 95&nbsp;% bootstrap interval of the mean. <a
-href="#provenance">Definitions</a>
-stand at the end.</p>
-)html";
 
 std::string opening(const ReportInput& input) {
   const auto trials = trials_of(input.summary);
@@ -166,7 +144,7 @@ std::string answer_figure(const ReportInput& input) {
   for (const PoseSolver* solver : input.study.solvers()) {
     solvers << solver_line(input, *solver);
   }
-  return mustache::mustache(kAnswerTemplate)
+  return mustache::mustache(page_text("answer.mustache"))
       .render(mustache::object{
           {"has_question", !input.study.question.empty()},
           {"question", input.study.question},

@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/html.h"
 
 namespace sightline {
 namespace {
@@ -19,8 +19,6 @@ using nlohmann::ordered_json;
 
 constexpr double kLogFactor = 30;
 constexpr double kZeroFraction = 1e-3;
-
-constexpr std::string_view kKindNames[] = {"lines", "points", "steps", "boxes", "cells"};
 
 // Five digits: beyond what a screen can show, and most of a page's bytes are such numbers.
 ordered_json number(double value) {
@@ -59,10 +57,10 @@ ordered_json json_of(const ChartSeries& series) {
 ordered_json json_of(const Chart& chart) {
   ordered_json json = {
       {"id", chart.id},         {"group", chart.group},
-      {"option", chart.option}, {"kind", kKindNames[static_cast<size_t>(chart.kind)]},
+      {"option", chart.option}, {"kind", kChartKindNames[static_cast<size_t>(chart.kind)]},
       {"title", chart.title},   {"x", json_of(chart.x)},
       {"y", json_of(chart.y)}};
-  if (chart.kind == ChartKind::kCells) {
+  if (chart.cell_size[0] > 0) {
     json["value"] = json_of(chart.value);
     json["cell"] = {number(chart.cell_size[0]), number(chart.cell_size[1])};
   }

@@ -11,7 +11,8 @@
 
 namespace sightline {
 
-/// How a chart's points are drawn.
+/// How a chart's points are drawn. A further kind has a name here, a drawing in gnuplot.cpp (for
+/// the figures) and one in assets/report/charts.js (for the page).
 enum class ChartKind {
   kLines,   ///< joined, with a band from low to high
   kPoints,  ///< each with a bar from low to high
@@ -19,6 +20,9 @@ enum class ChartKind {
   kBoxes,   ///< a box from low to high with a line at y, whiskers from least to most
   kCells,   ///< rectangles of the chart's cell size about (x, y), coloured by value
 };
+/// What the page's script calls them, in the same order.
+inline constexpr std::array<std::string_view, 5> kChartKindNames = {"lines", "points", "steps",
+                                                                    "boxes", "cells"};
 
 struct ChartAxis {
   std::string label;
@@ -54,8 +58,8 @@ struct Chart {
   std::string title;
   std::string note;
   ChartAxis x, y;
-  ChartAxis value;  ///< of the colours of cells
-  std::array<double, 2> cell_size{};
+  ChartAxis value;                    ///< of the colours of cells
+  std::array<double, 2> cell_size{};  ///< zero of charts without cells
   std::vector<ChartSeries> series;
 };
 

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "eval/output/text.h"
+#include "eval/output/words.h"
 #include "eval/report/frame_svg.h"
 #include "eval/report/means.h"
 #include "eval/report/outline.h"

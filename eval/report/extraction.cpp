@@ -10,8 +10,10 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/numbers.h"
+#include "eval/output/words.h"
 #include "eval/report/figures.h"
+#include "eval/report/page_text.h"
 #include "eval/report/panels.h"
 #include "eval/statistics/statistics.h"
 
@@ -19,55 +21,6 @@ namespace sightline {
 namespace {
 
 namespace mustache = kainjow::mustache;
-
-// One table for all trials and, with several conditions, one for each: the same columns.
-constexpr const char* kExtractionTemplate = R"html(
-<div class="scroll" role="region" aria-label="Feature extraction, table" tabindex="0">
-<table>
-<caption><span>{{caption}}</span></caption>
-<thead><tr><th scope="col">Feature</th><th scope="col">trials</th><th scope="col">visible</th>
-<th scope="col">found</th><th scope="col">outliers among them</th><th scope="col">inlier RMS,
-px</th>
-<th scope="col">median error, px</th><th scope="col" class="text">why it was
-missing</th></tr></thead>
-<tbody>
-{{#features}}
-<tr><th
-scope="row">{{name}}</th><td>{{trials}}</td><td>{{visible}}</td><td>{{found}}</td>
-<td>{{outliers}}</td>
-<td>{{rms}}</td><td>{{median}}</td><td class="text reasons">{{missing}}</td></tr>
-{{/features}}
-</tbody>
-</table>
-</div>
-<p class="note">An outlier is a feature found farther than {{outlier_px}} px from the truth. Inlier
-RMS is that
-of a coordinate; the median is of the distances of all that were found. The extractors:
-{{extractors}}.</p>
-{{#has_conditions}}
-<details>
-<summary>The same for each condition</summary>
-<div class="scroll" role="region" aria-label="Feature extraction by condition, table" tabindex="0">
-<table>
-<caption><span>Features by condition.</span></caption>
-<thead><tr><th scope="col">Feature</th><th scope="col">visible</th><th scope="col">found</th>
-<th scope="col">outliers among them</th><th scope="col">inlier RMS, px</th>
-<th scope="col">median error, px</th></tr></thead>
-{{#conditions}}
-<tbody>
-<tr class="groupname"><th scope="rowgroup" colspan="6">{{label}}</th></tr>
-{{#features}}
-<tr><th
-scope="row">{{name}}</th><td>{{visible}}</td><td>{{found}}</td><td>{{outliers}}</td><td>{{rms}}</td>
-<td>{{median}}</td></tr>
-{{/features}}
-</tbody>
-{{/conditions}}
-</table>
-</div>
-</details>
-{{/has_conditions}}
-)html";
 
 // A feature over all trials, whatever their condition.
 struct FeatureTotals {
@@ -191,7 +144,7 @@ std::string extraction_figure(const ReportInput& input) {
   if (images == nullptr || images->features.empty()) return "";
   mustache::data features(mustache::data::type::list);
   for (const auto& [name, totals] : totals_of(input, *images)) features << row(name, totals);
-  return mustache::mustache(kExtractionTemplate)
+  return mustache::mustache(page_text("extraction.mustache"))
       .render(mustache::object{
           {"caption", fmt::format("Features over {}.",
                                   counted(static_cast<int64_t>(input.trials.size()), "trial"))},

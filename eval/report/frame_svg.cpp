@@ -13,7 +13,8 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/html.h"
+#include "eval/output/numbers.h"
 
 namespace sightline {
 namespace {

@@ -13,10 +13,13 @@
 #include <kainjow/mustache.hpp>
 #include <nlohmann/json.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/html.h"
+#include "eval/output/numbers.h"
+#include "eval/output/words.h"
 #include "eval/report/figures.h"
 #include "eval/report/frame_svg.h"
 #include "eval/report/means.h"
+#include "eval/report/page_text.h"
 #include "eval/report/panels.h"
 
 namespace sightline {
@@ -24,82 +27,6 @@ namespace {
 
 namespace mustache = kainjow::mustache;
 using nlohmann::ordered_json;
-
-// The legend's boxes need no script: a rule each hides a layer whose box is not ticked.
-constexpr const char* kFramesTemplate = R"html(
-<p>{{shown}} of {{trials}}, run again for their pictures: the image as the extractor saw it, what it
-found, and the target’s outline at each solver’s pose. The tables state the stored trials.</p>
-<div class="explorer" hidden></div>
-<style>
-{{#layers}}#frames:has(#show-{{name}}:not(:checked)) .layer-{{name}} { display: none; }
-{{/layers}}
-</style>
-<fieldset class="legend">
-<legend>Layers</legend>
-{{#layers}}
-<label><input type="checkbox" id="show-{{name}}" checked>
-<svg class="swatch" viewBox="-8 -8 16 16" aria-hidden="true">{{{swatch}}}</svg>{{label}}</label>
-{{/layers}}
-</fieldset>
-{{#frames}}
-<article class="frame" id="{{id}}" aria-labelledby="{{id}}-title">
-<h3 id="{{id}}-title">{{caption}}</h3>
-<p class="given">{{condition}}Trial {{trial}}{{image}}. True pose: <i>θ</i> = {{theta}}°, <i>T</i> = {{t}} m.
-{{reduction}}</p>
-<div class="evidence">
-{{#has_image}}
-<div class="picture">
-<svg class="whole" viewBox="{{view}}" role="img" aria-labelledby="{{id}}-alt">
-<title id="{{id}}-alt">{{alt}}</title>
-<image class="pixels" id="{{id}}-image" x="{{x}}" y="{{y}}" width="{{width}}" height="{{height}}"
-href="{{{png}}}"/>
-{{#outlines}}<g class="layer-outline-{{index}} outline-{{style}}"><path class="outline"
-id="{{id}}-outline-{{index}}" d="{{path}}"/></g>
-{{/outlines}}
-{{{marks}}}
-{{#labels}}<text class="layer-windows name" x="{{x}}" y="{{y}}"
-font-size="{{size}}">{{label}}</text>{{/labels}}
-</svg>
-</div>
-{{/has_image}}
-<div class="scroll" role="region" aria-label="Errors in this frame, table" tabindex="0">
-<table class="errors">
-<caption><span>What each solver made of this frame.</span></caption>
-<thead><tr><th scope="col">Solver</th><th scope="col"><i>θ</i>&nbsp;error,&nbsp;°</th><th
-scope="col"><i>T</i>&nbsp;error,&nbsp;%</th>
-<th scope="col">reprojection RMS,&nbsp;px</th><th scope="col" class="text">removed</th></tr></thead>
-<tbody>
-{{#estimates}}
-<tr><th scope="row">{{solver}}</th>
-{{#ok}}<td>{{theta}}</td><td>{{t}}</td><td>{{reprojection}}</td><td
-class="text">{{removed}}</td>{{/ok}}
-{{^ok}}<td colspan="4" class="text">no pose: {{status}}</td>{{/ok}}</tr>
-{{/estimates}}
-</tbody>
-</table>
-</div>
-</div>
-<ul class="closeups">
-{{#closeups}}
-<li class="closeup">
-{{#window}}
-<svg viewBox="{{view}}" role="img" aria-label="{{alt}}">
-<use href="#{{id}}-image"/>
-{{#outlines}}<use class="layer-outline-{{index}} outline-{{style}}"
-href="#{{id}}-outline-{{index}}"/>{{/outlines}}
-{{{marks}}}
-</svg>
-{{/window}}
-{{^window}}<div class="no-window">no window</div>{{/window}}
-<p><b>{{label}}</b> {{name}}: {{state}}{{#tags}} <span class="tag
-{{kind}}">{{text}}</span>{{/tags}}</p>
-</li>
-{{/closeups}}
-</ul>
-</article>
-{{/frames}}
-<script type="application/json" id="frame-data">{{{data}}}</script>
-)html";
 
 constexpr size_t kMostListed = 20'000;  // trials in the list: more would be no list
 
@@ -381,7 +308,7 @@ std::string frames_figure(const ReportInput& input) {
   for (size_t i = 0; i < input.frames.size(); ++i) {
     frames << frame_section(input.study, input.frames[i], i + 1);
   }
-  return mustache::mustache(kFramesTemplate)
+  return mustache::mustache(page_text("frames.mustache"))
       .render(mustache::object{
           {"shown", fmt::to_string(input.frames.size())},
           {"trials", counted(static_cast<int64_t>(input.trials.size()), "trial")},

@@ -2,17 +2,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/report/gnuplot.h"
 
+#include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "eval/output/output_folder.h"
+#include "scenes/files/child_process.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -20,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kNotFound = 127;  // the exit code of a program that is not there
 constexpr std::string_view kInk = "#1d2126";
 
 // In single quotes, where gnuplot takes all but the quote as it stands. Scripts switch off its
@@ -91,81 +89,81 @@ std::string point_style(const ChartSeries& series) {
   return fmt::format("{} lc rgb '{}'", mark_style(series), colour_of(series));
 }
 
-// The clauses that draw one series; `data` is its block.
-std::vector<std::string> clauses(const Chart& chart, const ChartSeries& series,
-                                 const std::string& data) {
-  const std::string title = "title " + quoted(series.label);
-  const bool has_interval = !series.low.empty();
-  switch (chart.kind) {
-    case ChartKind::kLines: {
-      std::vector<std::string> parts;
-      if (has_interval) {
-        parts.push_back(fmt::format(
-            "{} using 1:3:4 with filledcurves fs transparent solid 0.15 noborder lc rgb '{}' "
-            "notitle",
-            data, colour_of(series)));
-      }
-      parts.push_back(fmt::format("{} using 1:2 with linespoints {} {} {}", data,
-                                  line_style(series), mark_style(series), title));
-      return parts;
-    }
-    case ChartKind::kPoints:
-      if (!has_interval) {
-        return {fmt::format("{} using 1:2 with points {} {}", data, point_style(series), title)};
-      }
-      return {
-          fmt::format("{} using 1:2:3:4 with yerrorbars {} {}", data, point_style(series), title)};
-    case ChartKind::kSteps:
-      return {fmt::format("{} using 1:2 with steps {} {}", data, line_style(series), title)};
-    case ChartKind::kBoxes: {
-      const std::string colour = fmt::format("lc rgb '{}'", colour_of(series));
-      return {
-          fmt::format("{0} using 1:3:5:6:4 with candlesticks whiskerbars 0.5 {1} fs transparent "
+std::string title_of(const ChartSeries& series) {
+  return "title " + quoted(series.label);
+}
+
+using Clauses = std::vector<std::string>;
+
+// The clauses that draw a series of each kind; `data` is its block.
+
+Clauses draw_lines(const Chart&, const ChartSeries& series, const std::string& data) {
+  Clauses parts;
+  if (!series.low.empty()) {
+    parts.push_back(fmt::format(
+        "{} using 1:3:4 with filledcurves fs transparent solid 0.15 noborder lc rgb '{}' notitle",
+        data, colour_of(series)));
+  }
+  parts.push_back(fmt::format("{} using 1:2 with linespoints {} {} {}", data, line_style(series),
+                              mark_style(series), title_of(series)));
+  return parts;
+}
+
+Clauses draw_points(const Chart&, const ChartSeries& series, const std::string& data) {
+  const char* how = series.low.empty() ? "1:2 with points" : "1:2:3:4 with yerrorbars";
+  return {fmt::format("{} using {} {} {}", data, how, point_style(series), title_of(series))};
+}
+
+Clauses draw_steps(const Chart&, const ChartSeries& series, const std::string& data) {
+  return {fmt::format("{} using 1:2 with steps {} {}", data, line_style(series), title_of(series))};
+}
+
+Clauses draw_boxes(const Chart&, const ChartSeries& series, const std::string& data) {
+  const std::string colour = fmt::format("lc rgb '{}'", colour_of(series));
+  return {fmt::format("{0} using 1:3:5:6:4 with candlesticks whiskerbars 0.5 {1} fs transparent "
                       "solid 0.25 border {1} notitle",
                       data, colour),
           fmt::format("{} using 1:2:2:2:2 with candlesticks {} lw 2 notitle", data, colour)};
-    }
-    case ChartKind::kCells:
-      return {fmt::format(
-          "{} using 1:2:($1-{}):($1+{}):($2-{}):($2+{}):7 with boxxyerror fs solid noborder lc "
-          "palette notitle",
-          data, chart.cell_size[0] / 2, chart.cell_size[0] / 2, chart.cell_size[1] / 2,
-          chart.cell_size[1] / 2)};
-  }
-  return {};
+}
+
+Clauses draw_cells(const Chart& chart, const ChartSeries&, const std::string& data) {
+  return {fmt::format(
+      "{} using 1:2:($1-{}):($1+{}):($2-{}):($2+{}):7 with boxxyerror fs solid noborder lc "
+      "palette notitle",
+      data, chart.cell_size[0] / 2, chart.cell_size[0] / 2, chart.cell_size[1] / 2,
+      chart.cell_size[1] / 2)};
 }
 
 std::string colour_script(const Chart& chart) {
-  std::vector<std::string> steps;
+  Clauses colours;
   for (size_t i = 0; i < kCellColours.size(); ++i) {
-    steps.push_back(fmt::format("{} '{}'", i, kCellColours[i]));
+    colours.push_back(fmt::format("{} '{}'", i, kCellColours[i]));
   }
   return fmt::format("set palette defined ({})\nset style data boxxyerror\n",
-                     fmt::join(steps, ", ")) +
+                     fmt::join(colours, ", ")) +
          axis_script("cb", chart.value);
 }
+
+// How gnuplot draws a kind of chart.
+struct KindDrawing {
+  bool has_key;  // or else names on an axis, and places half as wide as those
+  Clauses (*clauses)(const Chart& chart, const ChartSeries& series, const std::string& data);
+  std::string (*further_settings)(const Chart& chart) = nullptr;
+};
+
+// In the order of ChartKind.
+constexpr std::array<KindDrawing, kChartKindNames.size()> kDrawings = {
+    {{true, draw_lines},
+     {true, draw_points},
+     {true, draw_steps},
+     {false, draw_boxes},
+     {false, draw_cells, colour_script}}};
 
 // Runs gnuplot over scripts in a folder; its exit code.
 int run_gnuplot(const fs::path& folder, std::span<const Chart> charts) {
   std::vector<std::string> arguments = {"gnuplot"};
   for (const Chart& chart : charts) arguments.push_back(chart.id + ".gp");
-  std::vector<char*> argv;
-  for (std::string& argument : arguments) argv.push_back(argument.data());
-  argv.push_back(nullptr);
-
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  pid_t process = 0;
-  const int error = posix_spawnp(&process, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return kNotFound;
-  int status = 0;
-  while (waitpid(process, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return run_program(std::move(arguments), folder);
 }
 
 }  // namespace
@@ -192,7 +190,7 @@ std::string gnuplot_data(const Chart& chart) {
 }
 
 std::string gnuplot_script(const Chart& chart) {
-  const bool has_key = chart.kind != ChartKind::kCells && chart.kind != ChartKind::kBoxes;
+  const KindDrawing& drawing = kDrawings[static_cast<size_t>(chart.kind)];
   std::string script = fmt::format(
       "# Draws {0}.svg from {0}.dat: gnuplot {0}.gp\nreset\nset encoding utf8\n"
       "set terminal svg size 640,420 noenhanced font 'Helvetica,Arial,sans-serif,13' "
@@ -200,13 +198,13 @@ std::string gnuplot_script(const Chart& chart) {
       "set tics nomirror out\nset grid lc rgb '#d9dad4'\n",
       chart.id,
       quoted(chart.option.empty() ? chart.title : chart.title + " (" + chart.option + ")"));
-  script += has_key ? "set key outside right noenhanced\n" : "set boxwidth 0.5\n";
+  script += drawing.has_key ? "set key outside right noenhanced\n" : "set boxwidth 0.5\n";
   script += axis_script("x", chart.x) + axis_script("y", chart.y);
-  if (chart.kind == ChartKind::kCells) script += colour_script(chart);
+  if (drawing.further_settings != nullptr) script += drawing.further_settings(chart);
   std::vector<std::string> all;
   for (size_t i = 0; i < chart.series.size(); ++i) {
     const std::string data = fmt::format("'{}.dat' index {}", chart.id, i);
-    for (std::string& clause : clauses(chart, chart.series[i], data)) {
+    for (std::string& clause : drawing.clauses(chart, chart.series[i], data)) {
       all.push_back(std::move(clause));
     }
   }
@@ -227,7 +225,7 @@ std::string write_figures(const fs::path& folder, std::span<const Chart> charts)
   switch (run_gnuplot(folder, charts)) {
     case 0:
       return "";
-    case kNotFound:
+    case kProgramNotFound:
       return "gnuplot is not installed: figures/ holds scripts and data, but no .svg";
     default:
       return "gnuplot failed: figures/ holds scripts and data, and not every .svg";

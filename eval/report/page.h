@@ -25,7 +25,7 @@ struct Page {
 };
 
 /// One self-contained HTML file that opens from disk without a network. Sections with neither text
-/// nor charts are left out. Throws InputError when assets/report/ cannot be read.
+/// nor charts are left out.
 std::string render_page(const Page& page);
 
 }  // namespace sightline

@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "eval/output/text.h"
+#include "eval/output/words.h"
 #include "eval/summary/summary.h"
 
 namespace sightline {

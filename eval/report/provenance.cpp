@@ -5,90 +5,15 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/words.h"
 #include "eval/report/figures.h"
+#include "eval/report/page_text.h"
 #include "eval/report/panels.h"
 
 namespace sightline {
 namespace {
 
 namespace mustache = kainjow::mustache;
-
-constexpr const char* kProvenanceTemplate = R"html(
-<h3>This run</h3>
-<dl class="facts">
-{{#facts}}<dt>{{key}}</dt><dd>{{value}}</dd>
-{{/facts}}
-</dl>
-<h3>To repeat it</h3>
-<pre><code>{{repeat}}</code></pre>
-<p>Run this in the folder of the report, where study.toml is the study as it was run, with all that
-options changed.{{#has_typed}} What was typed: <code>{{typed}}</code>{{/has_typed}}</p>
-<p>Every trial depends on the study, the seed and its own number alone, so that the number of
-processes and of shards does not matter. On one machine results.csv and summary.json repeat byte
-for byte{{#rendered}}; on
-another type of processor the images may differ in the last grey level{{/rendered}}.{{#timed}} Times do
-not repeat: they stand in timings.csv alone.{{/timed}}</p>
-<h3>Conventions</h3>
-<ul>
-{{^orientation}}<li>Camera: <i>x</i> right, <i>y</i> down, <i>z</i> forward. Pixel centres lie at integer
-coordinates: (0, 0)
-is the centre of the top-left pixel.</li>
-<li>A pose takes points of the target to the camera: x<sub>cam</sub> = R x<sub>target</sub> + T,
-metres.</li>{{/orientation}}
-{{#orientation}}<li>A pose takes points of one frame to the other: x<sub>b</sub> = R x<sub>a</sub> +
-T.</li>{{/orientation}}
-<li>Attitude <i>θ</i> = (pitch, yaw, roll) about <i>x</i>, <i>y</i>, <i>z</i>:
-R = R<sub>z</sub>(roll) R<sub>y</sub>(yaw) R<sub>x</sub>(pitch), degrees. The ORPE paper prints no
-order; this
-one is ours.</li>
-</ul>
-<h3>Definitions</h3>
-<ul>
-<li><i>θ</i> error: root mean square of the three attitude angles’ errors, as the ORPE paper
-defines it.
-Near yaw = ±90° it is meaningless; the geodesic angle is not.</li>
-<li><i>T</i> error: root mean square of the three components of the translation’s error, over the
-imaging
-distance |T|, as the ORPE paper defines it.</li>
-<li>Geodesic error: the angle of the one rotation that takes the estimated attitude to the true
-one.</li>
-{{#orientation}}
-<li>Error of an Euler angle: the mean of the three attitude angles’ absolute errors, each wrapped to
-±180°. The absolute-orientation paper plots one angle and does not say which.</li>
-<li>A trial is one draw of points, rotation and translation. Its errors are means over its {{copies}}
-noisy copies, each capped at {{angle_cap}}° and {{t_cap}} %, a copy without a rotation counting as the
-cap; means and intervals are over the draws.</li>
-{{#timed}}<li>Time of a solve: wall time of {{repeats}} solves of a draw’s first copy, over their
-number.</li>{{/timed}}
-{{/orientation}}
-{{^orientation}}
-<li>Reprojection RMS: of the features a solver kept, from where its pose projects them.</li>
-{{#images}}<li>Outlier: a feature found farther than {{outlier_px}} px from where it truly is. Solvers are not
-told
-(the oracle is, which is why it serves for evaluation only).</li>{{/images}}
-{{^images}}<li>Outlier: a point that the study displaced, by whatever distance. Solvers are not told
-(the oracle is, which is why it serves for evaluation only).</li>{{/images}}
-<li>Cramér–Rao bound: the least RMS error an unbiased estimator can have on the true inliers of a
-trial, {{#images}}each feature with the noise that its inliers show in the same row{{/images}}{{^images}}with the noise
-applied; none without noise{{/images}}; capped as errors are.</li>
-<li>RMS over oracle’s: on the trials in which the oracle has a pose. RMS over bound: on the trials
-that have a bound.</li>
-<li>Failures never leave the denominator: means and RMS run over all trials with each error capped
-at
-{{angle_cap}}° and {{t_cap}} %, a failed trial counting as the cap; medians and percentiles count
-it as infinite.</li>{{/orientation}}
-<li>Intervals: 95 %, of the mean, by the bias-corrected and accelerated bootstrap, beyond 500
-trials by its analytic form (ABC). {{#images}}The mean over
-conditions adds
-their half-widths as squares.{{/images}}</li>
-</ul>
-<h3>The study as it was run</h3>
-<details>
-<summary>study.toml</summary>
-<pre><code>{{toml}}</code></pre>
-</details>
-)html";
 
 // First what a reader asks first; whatever else the manifest holds comes after.
 constexpr const char* kFirstKeys[] = {"version", "seed", "machine"};
@@ -140,7 +65,7 @@ std::string provenance_figure(const ReportInput& input) {
   const OrientationStudy* const orientation = input.study.orientation();
   const PointPairs pairs = orientation == nullptr ? PointPairs{} : orientation->pairs;
   const bool has_typed = typed != input.meta.end();
-  return mustache::mustache(kProvenanceTemplate)
+  return mustache::mustache(page_text("provenance.mustache"))
       .render(mustache::object{
           {"facts", facts_of(input)},
           {"repeat", repeat_command(input)},

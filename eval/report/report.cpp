@@ -7,7 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "eval/output/text.h"
+#include "eval/output/html.h"
+#include "eval/output/numbers.h"
 #include "eval/report/figures.h"
 #include "eval/report/means.h"
 #include "eval/report/page.h"

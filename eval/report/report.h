@@ -70,8 +70,7 @@ std::span<const ReportFigure> report_figures();
 /// The charts of all figures, in the order of the page.
 std::vector<Chart> report_charts(const ReportInput& input);
 
-/// The whole page: one self-contained HTML file that opens from disk without a network. Throws
-/// InputError when assets/report/ cannot be read.
+/// The whole page: one self-contained HTML file that opens from disk without a network.
 std::string render_report(const ReportInput& input);
 
 }  // namespace sightline

@@ -12,35 +12,16 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/numbers.h"
+#include "eval/output/words.h"
 #include "eval/report/figures.h"
+#include "eval/report/page_text.h"
 #include "scenes/random/random.h"
 
 namespace sightline {
 namespace {
 
 namespace mustache = kainjow::mustache;
-
-constexpr const char* kSilhouetteTemplate = R"html(
-<div class="scroll" role="region" aria-label="Outline beside the features, table" tabindex="0">
-<table>
-<caption><span>{{caption}}</span></caption>
-<thead><tr><th scope="col">Feature</th><th scope="col">median, px</th><th scope="col">median, m</th>
-<th scope="col">greatest, px</th><th scope="col">greatest, m</th><th scope="col">views</th>
-<th scope="col" class="text">kind</th></tr></thead>
-<tbody>
-{{#features}}
-<tr><th scope="row">{{name}}</th><td>{{median_px}}</td><td>{{median_m}}</td><td>{{greatest_px}}</td>
-<td>{{greatest_m}}</td><td>{{views}}</td><td class="kind">{{kind}}</td></tr>
-{{/features}}
-</tbody>
-</table>
-</div>
-<p class="note">A rounded edge is seen beside the crease that a feature lies on: the outline of the
-mesh misses the feature’s true position by so much, before anything is extracted. Of a line
-intersection it is where the outlines of its two edges meet, of a corner the nearest point of its
-outline; a contour is no point of one. Views are those that show it{{random}}.</p>
-)html";
 
 // The true poses, each trial's camera before them: of all trials, or of some at random, so that no
 // condition is left out.
@@ -94,7 +75,7 @@ std::string silhouette_figure(const ReportInput& input) {
   const bool is_some = views.size() < input.trials.size();
   const std::string all = counted(static_cast<int64_t>(input.trials.size()), "trial");
   const std::string some = fmt::format("{} of {}", views.size(), all);
-  return mustache::mustache(kSilhouetteTemplate)
+  return mustache::mustache(page_text("silhouette.mustache"))
       .render(mustache::object{
           {"caption", fmt::format("The outline beside each feature, at the true poses of {}.",
                                   is_some ? some : all)},

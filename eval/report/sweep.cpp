@@ -12,9 +12,10 @@
 #include <fmt/ranges.h>
 #include <kainjow/mustache.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/numbers.h"
 #include "eval/report/figures.h"
 #include "eval/report/means.h"
+#include "eval/report/page_text.h"
 #include "eval/report/panels.h"
 #include "eval/tables/sweep_table.h"
 
@@ -22,56 +23,6 @@ namespace sightline {
 namespace {
 
 namespace mustache = kainjow::mustache;
-
-// A row a condition and solver, so that any number of solvers is as wide as one.
-constexpr const char* kTable = R"html(
-<details>
-<summary>{{summary}}</summary>
-<div class="scroll" role="region" aria-label="{{summary}}, table" tabindex="0">
-<table class="sweep">
-<caption><span>By condition and {{what}}{{#has_intervals}}, means with their 95&nbsp;%
-intervals{{/has_intervals}}.</span></caption>
-<thead><tr><th scope="col">{{what}}</th>{{#headings}}<th
-scope="col">{{.}}</th>{{/headings}}</tr></thead>
-{{#conditions}}
-<tbody>
-<tr class="groupname"><th scope="rowgroup" colspan="{{columns}}">{{label}}</th></tr>
-{{#rows}}
-<tr><th scope="row">{{label}}</th>{{#cells}}<td>{{value}}{{#has_interval}} <span
-class="interval">{{interval}}</span>{{/has_interval}}</td>{{/cells}}</tr>
-{{/rows}}
-</tbody>
-{{/conditions}}
-</table>
-</div>
-</details>
-)html";
-
-constexpr const char* kAnswer = R"html(
-{{#has_question}}<p class="question">{{question}}</p>{{/has_question}}
-{{#has_claim}}<p class="lead">The paper: {{claim}}</p>{{/has_claim}}
-{{#has_verdict}}<p class="lead">Here: {{verdict}}</p>{{/has_verdict}}
-<div class="scroll" role="region" aria-label="Worst conditions, table" tabindex="0">
-<table class="sweep">
-<caption><span>Over {{trials}} in {{conditions}}: the worst condition of each, by its value over all
-its trials.</span></caption>
-<thead><tr><th scope="col">{{what}}</th>{{#headings}}<th scope="col">{{.}}</th>{{/headings}}
-{{#has_peer}}<th scope="col" class="group">Euler-angle error, °: greatest difference from {{peer}}</th>
-{{#is_timed}}<th scope="col">time over that of {{peer}}</th>{{/is_timed}}{{/has_peer}}</tr></thead>
-<tbody>
-{{#rows}}
-<tr><th scope="row">{{solver}}{{#evaluation_only}} <span
-class="note">(told the truth)</span>{{/evaluation_only}}</th>
-{{#cells}}<td>{{value}} <span class="interval">{{where}}</span></td>{{/cells}}
-{{#has_peer}}<td class="group">{{difference}}</td>{{#is_timed}}<td>{{times}}</td>{{/is_timed}}
-{{/has_peer}}</tr>
-{{/rows}}
-</tbody>
-</table>
-</div>
-<p class="note">Each error is capped at {{angle_cap}}° and {{t_cap}}&nbsp;%, and a trial without a
-pose counts as the cap. <a href="#provenance">Definitions</a> stand at the end.</p>
-)html";
 
 int condition_count(const Study& study) {
   return static_cast<int>(study.conditions.size());
@@ -157,14 +108,15 @@ std::string table(const ReportInput& input, bool are_details, const std::string&
   const bool has_intervals =
       std::any_of(quantities.begin(), quantities.end(),
                   [](const SweepQuantity& q) { return q.interval != nullptr; });
-  return mustache::mustache(kTable).render(mustache::object{
-      {"summary", summary},
-      {"what", is_orientation(input.study) ? "method" : "solver"},
-      {"has_intervals", has_intervals},
-      {"headings", headings},
-      {"columns", fmt::to_string(quantities.size() + 1)},
-      {"conditions", conditions},
-  });
+  return mustache::mustache(page_text("sweep_table.mustache"))
+      .render(mustache::object{
+          {"summary", summary},
+          {"what", is_orientation(input.study) ? "method" : "solver"},
+          {"has_intervals", has_intervals},
+          {"headings", headings},
+          {"columns", fmt::to_string(quantities.size() + 1)},
+          {"conditions", conditions},
+      });
 }
 
 mustache::data worst(const ReportInput& input, const SweepQuantity& quantity,
@@ -336,24 +288,25 @@ std::string sweep_answer(const ReportInput& input) {
   const std::vector<std::string> verdicts = claim_verdicts(study, input.summary);
   mustache::data rows(mustache::data::type::list);
   for (const std::string& solver : solvers) rows << mustache::data(answer_row(input, solver));
-  return mustache::mustache(kAnswer).render(mustache::object{
-      {"has_question", !study.question.empty()},
-      {"question", study.question},
-      {"has_claim", !study.claim.empty()},
-      {"claim", study.claim},
-      {"has_verdict", !verdicts.empty()},
-      {"verdict", fmt::to_string(fmt::join(verdicts, " "))},
-      {"trials", counted(trials_of(input.summary), "trial")},
-      {"conditions", counted(condition_count(study), "condition")},
-      {"what", is_orientation(study) ? "Method" : "Solver"},
-      {"headings", headings},
-      {"has_peer", is_orientation(study) && solvers.size() > 1},
-      {"peer", solvers.empty() ? "" : label_in(study, solvers.front())},
-      {"is_timed", is_timed(study)},
-      {"rows", rows},
-      {"angle_cap", fmt::to_string(kAngleCapDeg)},
-      {"t_cap", fmt::to_string(kTranslationCapPercent)},
-  });
+  return mustache::mustache(page_text("sweep_answer.mustache"))
+      .render(mustache::object{
+          {"has_question", !study.question.empty()},
+          {"question", study.question},
+          {"has_claim", !study.claim.empty()},
+          {"claim", study.claim},
+          {"has_verdict", !verdicts.empty()},
+          {"verdict", fmt::to_string(fmt::join(verdicts, " "))},
+          {"trials", counted(trials_of(input.summary), "trial")},
+          {"conditions", counted(condition_count(study), "condition")},
+          {"what", is_orientation(study) ? "Method" : "Solver"},
+          {"headings", headings},
+          {"has_peer", is_orientation(study) && solvers.size() > 1},
+          {"peer", solvers.empty() ? "" : label_in(study, solvers.front())},
+          {"is_timed", is_timed(study)},
+          {"rows", rows},
+          {"angle_cap", fmt::to_string(kAngleCapDeg)},
+          {"t_cap", fmt::to_string(kTranslationCapPercent)},
+      });
 }
 
 std::string sweep_figure(const ReportInput& input) {

@@ -10,83 +10,16 @@
 #include <fmt/ranges.h>
 #include <kainjow/mustache.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/numbers.h"
+#include "eval/output/words.h"
 #include "eval/report/figures.h"
 #include "eval/report/means.h"
+#include "eval/report/page_text.h"
 
 namespace sightline {
 namespace {
 
 namespace mustache = kainjow::mustache;
-
-// A row a condition and solver, so that any number of solvers is as wide as one.
-constexpr const char* kTableTemplate = R"html(
-<div class="scroll" role="region" aria-label="Pose errors, table" tabindex="0">
-<table class="poses">
-<caption><span>{{caption}}</span></caption>
-<thead><tr><th scope="col">Solver</th><th scope="col"><i>θ</i> error, °</th>{{#beside}}<th
-scope="col" class="beside">{{beside}}</th>{{/beside}}
-<th scope="col"><i>T</i> error, %</th>{{#beside}}<th scope="col"
-class="beside">{{beside}}</th>{{/beside}}<th scope="col">failed</th></tr></thead>
-{{#groups}}
-<tbody{{#is_mean}} class="mean"{{/is_mean}}>
-<tr class="groupname"><th scope="rowgroup" colspan="6">{{label}}{{#has_pose}} <span
-class="given">θ = {{theta}}°, T = {{t}} m</span>{{/has_pose}}<span class="observed">inlier RMS
-{{inlier_rms}} px, {{outliers}} outliers a trial</span></th></tr>
-{{#rows}}
-<tr><th scope="row">{{solver}}</th>
-<td><b>{{theta_mean}}</b> <span class="interval">{{theta_interval}}</span></td>
-{{#beside}}<td class="beside">{{theta_beside}}</td>{{/beside}}
-<td><b>{{t_mean}}</b> <span class="interval">{{t_interval}}</span></td>
-{{#beside}}<td class="beside">{{t_beside}}</td>{{/beside}}
-<td>{{#has_failures}}<span class="failed">{{failures}} failed</span>{{/has_failures}}{{^has_failures}}0{{/has_failures}}</td></tr>
-{{/rows}}
-<tr class="bound"><th scope="row">bound</th><td>{{bound_theta}}</td>{{#beside}}<td></td>{{/beside}}
-<td>{{bound_t}}</td>{{#beside}}<td></td>{{/beside}}<td></td></tr>
-</tbody>
-{{/groups}}
-</table>
-</div>
-<p class="note">{{note}}</p>
-{{#has_lost}}
-<details>
-<summary>Trials that could not be {{lost_how}}: {{lost_count}}</summary>
-<p>They are in every denominator as failures of every solver. Their numbers, by condition:</p>
-<ul>
-{{#lost}}<li>{{condition}}: {{trials}}</li>
-{{/lost}}
-</ul>
-</details>
-{{/has_lost}}
-<details>
-<summary>Failures and removed features: {{failures}}</summary>
-<div class="scroll" role="region" aria-label="Failures and removed features, table" tabindex="0">
-<table>
-<caption><span>What failed and what was removed, by condition and solver. A failed trial counts as
-the cap in
-every mean and as infinite in every median.</span></caption>
-<thead><tr><th scope="col">Solver</th><th scope="col">trials</th>
-<th scope="col">failed</th><th scope="col">at the cap</th><th scope="col">inliers removed a
-trial</th>
-<th scope="col">outliers kept a trial</th><th scope="col">exactly right set, %</th>
-<th scope="col">median <i>θ</i> error, °</th><th scope="col">median <i>T</i> error, %</th>
-<th scope="col">RMS over oracle’s</th><th scope="col">RMS over bound</th></tr></thead>
-{{#detail_groups}}
-<tbody>
-<tr class="groupname"><th scope="rowgroup" colspan="11">{{condition}}</th></tr>
-{{#details}}
-<tr><th scope="row">{{solver}}</th><td>{{trials}}</td><td>{{failed}}</td>
-<td>{{capped}}</td><td>{{false_removals}}</td><td>{{missed}}</td><td>{{exact}}</td>
-<td>{{theta_median}}</td>
-<td>{{t_median}}</td><td>{{oracle_ratio}}</td><td>{{bound_ratio}}</td></tr>
-{{/details}}
-</tbody>
-{{/detail_groups}}
-</table>
-</div>
-<p class="note">The two ratios compare RMS geodesic errors (capped), over the same trials.</p>
-</details>
-)html";
 
 constexpr size_t kMostLostNamed = 20;  // of a condition
 
@@ -292,7 +225,7 @@ std::string table_figure(const ReportInput& input) {
   const auto lost = lost_trials(input);
   size_t lost_count = 0;
   for (const std::vector<int64_t>& of_condition : lost) lost_count += of_condition.size();
-  return mustache::mustache(kTableTemplate)
+  return mustache::mustache(page_text("table.mustache"))
       .render(mustache::object{
           {"caption", caption(input.study)},
           {"note", note(input.study)},

@@ -3,7 +3,6 @@
 #include "eval/results/results_csv.h"
 
 #include <array>
-#include <iterator>
 #include <set>
 #include <span>
 #include <string_view>
@@ -12,64 +11,16 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/output/csv.h"
+
 namespace sightline {
 namespace {
 
-// Fields of a line, quoted where they have to be.
-class Line {
- public:
-  Line& operator<<(std::string_view text) {
-    begin_field();
-    if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
-      text_ += text;
-      return *this;
-    }
-    text_ += '"';
-    for (const char c : text) {
-      if (c == '"') text_ += '"';
-      text_ += c;
-    }
-    text_ += '"';
-    return *this;
-  }
-
-  // The shortest number that reads back the same.
-  Line& operator<<(double number) {
-    begin_field();
-    fmt::format_to(std::back_inserter(text_), "{}", number);
-    return *this;
-  }
-
-  Line& operator<<(int64_t number) {
-    begin_field();
-    fmt::format_to(std::back_inserter(text_), "{}", number);
-    return *this;
-  }
-
-  Line& operator<<(int number) { return *this << int64_t{number}; }
-
-  Line& operator<<(const Pose& pose) {
-    for (const double q : quaternion_wxyz(pose.rotation)) *this << q;
-    for (const double t : pose.translation) *this << t;
-    return *this;
-  }
-
-  Line& empty_fields(size_t count) {
-    for (size_t i = 0; i < count; ++i) *this << "";
-    return *this;
-  }
-
-  std::string end() && { return std::move(text_) + "\n"; }
-
- private:
-  void begin_field() {
-    if (has_fields_) text_ += ',';
-    has_fields_ = true;
-  }
-
-  std::string text_;
-  bool has_fields_ = false;
-};
+CsvLine& operator<<(CsvLine& line, const Pose& pose) {
+  for (const double q : quaternion_wxyz(pose.rotation)) line << q;
+  for (const double t : pose.translation) line << t;
+  return line;
+}
 
 using Names = std::span<const std::string_view>;
 
@@ -99,7 +50,7 @@ std::set<std::string> condition_keys(const Study& study) {
 }
 
 std::string header(const std::set<std::string>& keys, std::initializer_list<Names> columns) {
-  Line line;
+  CsvLine line;
   const auto add = [&line](const auto& names) {
     for (const auto& name : names) line << name;
   };
@@ -124,7 +75,7 @@ Counts count_observations(const TrialRecord& trial) {
   return counts;
 }
 
-void write_errors(Line& line, const EstimateRecord& e) {
+void write_errors(CsvLine& line, const EstimateRecord& e) {
   if (!e.is_ok()) {
     line.empty_fields(kErrors.size());
     return;
@@ -134,7 +85,7 @@ void write_errors(Line& line, const EstimateRecord& e) {
   e.covariance ? line << e.nees : line << "";
 }
 
-void write_removals(Line& line, const EstimateRecord& e, const Counts& counts) {
+void write_removals(CsvLine& line, const EstimateRecord& e, const Counts& counts) {
   if (!e.is_ok()) {
     line << "" << 0 << counts.outliers;
     return;
@@ -142,7 +93,7 @@ void write_removals(Line& line, const EstimateRecord& e, const Counts& counts) {
   line << fmt::format("{}", fmt::join(e.removed, ";")) << e.false_removals << e.missed_outliers;
 }
 
-void write_condition(Line& line, const Condition& condition, const std::set<std::string>& keys,
+void write_condition(CsvLine& line, const Condition& condition, const std::set<std::string>& keys,
                      const TrialRecord& trial) {
   line << trial.trial << condition.label;
   for (const std::string& key : keys) {
@@ -156,11 +107,11 @@ void write_condition(Line& line, const Condition& condition, const std::set<std:
   }
 }
 
-void write_sighting(Line& line, const Sighting& sighting) {
+void write_sighting(CsvLine& line, const Sighting& sighting) {
   line << sighting.image << sighting.scene_id << sighting.im_id << sighting.gt_id;
 }
 
-void write_estimate(Line& line, const TrialRecord& trial, const Counts& counts,
+void write_estimate(CsvLine& line, const TrialRecord& trial, const Counts& counts,
                     const EstimateRecord& estimate) {
   line << estimate.solver << estimate.status;
   write_errors(line, estimate);
@@ -170,7 +121,7 @@ void write_estimate(Line& line, const TrialRecord& trial, const Counts& counts,
   line << trial.true_cam_from_target;
 }
 
-void write_orientation(Line& line, const OrientationStudy& study, const TrialRecord& trial,
+void write_orientation(CsvLine& line, const OrientationStudy& study, const TrialRecord& trial,
                        const OrientationRecord& orientation) {
   line << orientation.method << orientation.status << study.pairs.copies << orientation.failures
        << orientation.angle_error_deg << orientation.theta_error_deg << orientation.geodesic_deg
@@ -183,7 +134,7 @@ void write_orientation_csv(const Study& study, const OrientationStudy& of_kind,
   out << header(keys, {kSolver, kOrientation, kTruePose});
   trials([&](const TrialRecord& trial) {
     for (const OrientationRecord& orientation : trial.orientations) {
-      Line line;
+      CsvLine line;
       write_condition(line, study.conditions[trial.condition], keys, trial);
       write_orientation(line, of_kind, trial, orientation);
       out << std::move(line).end();
@@ -205,7 +156,7 @@ void write_csv(const Study& study, const TrialSource& trials, std::ostream& out)
   trials([&](const TrialRecord& trial) {
     const Counts counts = count_observations(trial);
     for (const EstimateRecord& estimate : trial.estimates) {
-      Line line;
+      CsvLine line;
       write_condition(line, study.conditions[trial.condition], keys, trial);
       if (is_sighted) write_sighting(line, images->sighting_of(trial.trial));
       write_estimate(line, trial, counts, estimate);
@@ -219,7 +170,7 @@ void write_timings_csv(const Study& study, const TrialSource& trials, std::ostre
   out << header(keys, {kTiming});
   trials([&](const TrialRecord& trial) {
     for (const OrientationRecord& orientation : trial.orientations) {
-      Line line;
+      CsvLine line;
       write_condition(line, study.conditions[trial.condition], keys, trial);
       line << orientation.method << orientation.time_ns;
       out << std::move(line).end();

@@ -9,36 +9,15 @@
 #include <opencv2/core.hpp>
 
 #include "eval/datasets/pictures.h"
-#include "eval/output/text.h"
+#include "eval/output/numbers.h"
 #include "eval/report/frame_svg.h"
 #include "eval/report/outline.h"
+#include "eval/report/page_text.h"
 
 namespace sightline {
 namespace {
 
 namespace mustache = kainjow::mustache;
-
-constexpr const char* kTemplate = R"html(
-<p class="legend"><svg class="swatch" viewBox="-8 -8 16 16" aria-hidden="true"><path
-class="outline-0" d="M-7 0H7"/></svg> outline in the true pose
-<svg class="swatch" viewBox="-8 -8 16 16" aria-hidden="true"><path class="outline-1"
-d="M-7 0H7"/></svg> in the estimated one</p>
-<div class="pictures">
-{{#pictures}}
-<div class="frame" id="picture-{{number}}">
-<h3>{{caption}}</h3>
-<div class="picture">
-<svg class="whole" viewBox="{{view}}" role="img" aria-label="{{caption}}, with the true and the
-estimated outline">
-<image class="pixels" x="{{x}}" y="{{y}}" width="{{width}}" height="{{height}}" href="{{{png}}}"/>
-{{#outlines}}<g class="outline-{{style}}"><path class="outline" d="{{path}}"/></g>
-{{/outlines}}
-</svg>
-</div>
-</div>
-{{/pictures}}
-</div>
-)html";
 
 Camera camera_of(const BopImage& image, const cv::Size& size) {
   return {.width_px = size.width,
@@ -104,7 +83,8 @@ std::string score_pictures(const BopDataset& dataset, std::span<const BopTarget*
     pictures << picture;
   }
   if (pictures.list_value().empty()) return "";
-  return mustache::mustache(kTemplate).render(mustache::object{{"pictures", pictures}});
+  return mustache::mustache(page_text("score_pictures.mustache"))
+      .render(mustache::object{{"pictures", pictures}});
 }
 
 }  // namespace sightline

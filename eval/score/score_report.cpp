@@ -10,9 +10,11 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
-#include "eval/output/text.h"
+#include "eval/output/html.h"
+#include "eval/output/numbers.h"
 #include "eval/report/distributions.h"
 #include "eval/report/page.h"
+#include "eval/report/page_text.h"
 #include "eval/score/score_pictures.h"
 #include "eval/summary/summary.h"
 
@@ -24,63 +26,6 @@ namespace mustache = kainjow::mustache;
 constexpr size_t kMostObjects = 12;  // with curves of their own
 constexpr size_t kMostWorst = 30;
 constexpr size_t kMostPictures = 12;  // of them
-
-constexpr const char* kAnswer = R"html(
-<p class="question">How good are the poses of {{results}}?</p>
-<p class="lead">{{lead}}</p>
-<ul class="findings">
-{{#findings}}<li>{{name}}: <b>{{value}}</b> <span class="interval">{{interval}}</span></li>
-{{/findings}}
-</ul>
-<p>{{counts}}</p>
-<p class="note">In brackets 95&nbsp;% intervals over the instances. <a
-href="#definitions">Definitions</a> stand at the end.</p>
-)html";
-
-constexpr const char* kTable = R"html(
-<div class="scroll" role="region" aria-label="{{label}}, table" tabindex="0">
-<table>
-<caption><span>{{caption}}</span></caption>
-<thead><tr>{{#columns}}<th scope="col">{{.}}</th>{{/columns}}</tr></thead>
-<tbody>
-{{#rows}}
-<tr>{{#head}}<th scope="row">{{.}}</th>{{/head}}{{#cells}}<td>{{value}} <span
-class="interval">{{interval}}</span></td>{{/cells}}</tr>
-{{/rows}}
-</tbody>
-</table>
-</div>
-)html";
-
-constexpr const char* kDefinitions = R"html(
-<dl class="facts">
-{{#facts}}<dt>{{key}}</dt><dd>{{value}}</dd>
-{{/facts}}
-</dl>
-<ul>
-<li>Instances: those that the data set asks for. Of every object in an image count as many estimates
-as instances are asked for, those of the highest scores; each takes, best score first, the free
-instance with the least error below the threshold. An instance without one is missed: it is in every
-denominator.</li>
-<li>MSSD: the greatest distance between a vertex in the estimated and in the true pose, at the
-symmetry where it is least. MSPD: the same of projected vertices, in pixels of an image 640 pixels
-wide. VSD: the share of visible surface whose distance differs by more than <i>τ</i>.</li>
-<li>AR: the mean recall over the thresholds: MSSD 5 to 50 % of the diameter, MSPD 5 to 50 px, VSD
-<i>τ</i> 5 to 50 % of the diameter and <i>θ</i> 0.05 to 0.5; AR is the mean of the three (BOP
-Challenge 2019 and later, localisation of a known number of instances).</li>
-<li>ADD and ADI: mean distance of the vertices, to the same and to the nearest vertex; good below a
-tenth of the diameter. Neither knows symmetries.</li>
-<li>2D projection: mean distance of the vertices’ pixels, good below 5 px. 5° 5 cm: attitude and
-position err by less. SPEED: the geodesic angle in radians plus the distance of the positions over the
-true one’s length; SPEED+: with an angle below 0.169° and a distance below 0.2173 % each counting as
-zero; of both a missed instance counts as π + 1. All at the nearest symmetry.</li>
-<li><i>θ</i> error, <i>T</i> error: root mean squares of the three attitude angles’ errors, and of
-the components of the translation’s error over the distance, as the ORPE paper defines them; geodesic
-error: the angle of the one rotation between the two attitudes. Each against the true pose at the
-nearest symmetry. A missed instance errs by more than any other.</li>
-<li>All estimates stand in errors.csv, all figures in scores.json.</li>
-</ul>
-)html";
 
 // One of our own errors, of the pair that counts.
 struct PairError {
@@ -245,18 +190,20 @@ std::string answer_html(const ScoreReportInput& input) {
            << named("median θ error", median_cell(all.theta_error_deg), "°")
            << named("median T error", median_cell(all.t_error_percent), " %")
            << named("median geodesic error", median_cell(all.geodesic_deg), "°");
-  return mustache::mustache(kAnswer).render(mustache::object{{"results", input.results},
-                                                             {"lead", lead(all)},
-                                                             {"findings", findings},
-                                                             {"counts", counts(input, all)}});
+  return mustache::mustache(page_text("score_answer.mustache"))
+      .render(mustache::object{{"results", input.results},
+                               {"lead", lead(all)},
+                               {"findings", findings},
+                               {"counts", counts(input, all)}});
 }
 
 std::string table_html(const std::string& label, const std::string& caption,
                        const std::vector<std::string>& columns, mustache::data rows) {
   mustache::data names(mustache::data::type::list);
   for (const std::string& column : columns) names << column;
-  return mustache::mustache(kTable).render(mustache::object{
-      {"label", label}, {"caption", caption}, {"columns", names}, {"rows", std::move(rows)}});
+  return mustache::mustache(page_text("score_table.mustache"))
+      .render(mustache::object{
+          {"label", label}, {"caption", caption}, {"columns", names}, {"rows", std::move(rows)}});
 }
 
 std::string objects_html(const ScoreReportInput& input) {
@@ -350,7 +297,8 @@ std::string definitions_html(const ScoreReportInput& input) {
   add("data set", input.dataset);
   add("estimates", fmt::to_string(input.estimates.size()));
   add("VSD’s δ", fmt::format("{} mm", input.vsd_delta_mm));
-  return mustache::mustache(kDefinitions).render(mustache::object{{"facts", facts}});
+  return mustache::mustache(page_text("score_definitions.mustache"))
+      .render(mustache::object{{"facts", facts}});
 }
 
 std::vector<PageSection> sections_of(const ScoreReportInput& input) {

@@ -27,8 +27,7 @@ struct ScoreReportInput {
 std::vector<Chart> score_charts(const ScoreReportInput& input);
 
 /// The page: the answer with its intervals, recalls by object and threshold, how our own errors are
-/// distributed, the worst estimates, definitions. Self-contained, as a study's. Throws InputError
-/// when assets/report/ cannot be read.
+/// distributed, the worst estimates, definitions. Self-contained, as a study's.
 std::string score_report(const ScoreReportInput& input);
 
 }  // namespace sightline

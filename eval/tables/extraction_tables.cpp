@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/output/numbers.h"
 #include "eval/output/text_table.h"
 #include "pose/angles.h"
 
@@ -18,19 +19,14 @@ std::string percent(double rate) {
   return number_text(100 * rate, 1);
 }
 
-std::string interval(const std::array<double, 2>& ends, double scale, int decimals) {
-  if (std::isnan(ends[0])) return "-";
-  return fmt::format("[{}, {}]", number_text(scale * ends[0], decimals),
-                     number_text(scale * ends[1], decimals));
-}
-
 TextGroup measured_group(const std::string& title, const std::vector<Localisation>& rows,
                          Measured Localisation::*member, double scale, int decimals) {
   TextColumn values{"value", {}}, intervals{"95 %", {}};
   for (const Localisation& row : rows) {
     const Measured& measured = row.*member;
     values.cells.push_back(number_text(scale * measured.value, decimals));
-    intervals.cells.push_back(interval(measured.ci95, scale, decimals));
+    intervals.cells.push_back(
+        interval_text({scale * measured.ci95[0], scale * measured.ci95[1]}, decimals));
   }
   return {title, {values, intervals}};
 }

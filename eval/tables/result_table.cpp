@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/output/numbers.h"
 #include "eval/output/text_table.h"
 #include "eval/tables/extraction_tables.h"
 #include "eval/tables/sweep_table.h"
@@ -122,12 +123,6 @@ TextGroup paper_group(const Study& study, const Summary& summary, const ErrorKin
                                           kind.paper_decimals));
   }
   return group;
-}
-
-std::string interval_text(const std::array<double, 2>& bounds, int decimals) {
-  if (std::isnan(bounds[0]) && std::isnan(bounds[1])) return "-";
-  return fmt::format("[{}, {}]", number_text(bounds[0], decimals),
-                     number_text(bounds[1], decimals));
 }
 
 TextGroup solver_group(const Study& study, const Summary& summary, const ErrorKind& kind,

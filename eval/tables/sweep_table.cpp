@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/output/numbers.h"
 #include "eval/output/text_table.h"
 
 namespace sightline {

@@ -4,18 +4,16 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "eval/work/interrupt.h"
+#include "scenes/files/child_process.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -33,68 +31,39 @@ struct Worker {
   std::string failure_text;
 };
 
-void write_all(int file, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = write(file, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return;  // the parent is gone
-    text.remove_prefix(static_cast<size_t>(written));
-  }
-}
-
-[[noreturn]] void work_and_exit(int index, int pipe,
-                                const std::function<void(int, const Tick&)>& work) {
+// What a worker does; its exit code.
+int work_of(int index, int pipe, const std::function<void(int, const Tick&)>& work) {
   try {
     work(index, [pipe] { write_all(pipe, {&kTick, 1}); });
-    _exit(0);
+    return 0;
   } catch (const InputError& error) {
     write_all(pipe, kInputError + std::string(error.what()));
   } catch (const std::exception& error) {
     write_all(pipe, kFailure + std::string(error.what()));
   }
-  _exit(1);
-}
-
-// A worker whose parent was killed would go on for nobody, and hold what a new run needs.
-void end_with_parent(pid_t parent) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(1);  // it was killed before
+  return 1;
 }
 
 Worker start(int index, const std::vector<Worker>& earlier,
              const std::function<void(int, const Tick&)>& work) {
-  int ends[2];
-  if (pipe(ends) != 0) throw std::runtime_error(fmt::format("pipe: {}", std::strerror(errno)));
-  const pid_t parent = getpid();
-  const pid_t process = fork();
-  if (process < 0) {
-    const std::string reason = std::strerror(errno);
-    close(ends[0]);
-    close(ends[1]);
-    throw std::runtime_error(fmt::format("fork: {}", reason));
-  }
-  if (process == 0) {
-    close(ends[0]);
+  const ChildProcess child = fork_child([&](int pipe) {
     for (const Worker& other : earlier) {
       if (other.pipe >= 0) close(other.pipe);
     }
-    end_with_parent(parent);
-    work_and_exit(index, ends[1], work);
-  }
-  close(ends[1]);
-  return {.process = process, .pipe = ends[0], .failure = 0, .failure_text = ""};
+    return work_of(index, pipe, work);
+  });
+  return {.process = child.process, .pipe = child.pipe, .failure = 0, .failure_text = ""};
 }
 
 // Waits for a worker that has closed its pipe; a crash, which says nothing, is a failure too.
 void reap(Worker& worker) {
-  int status = 0;
-  waitpid(worker.process, &status, 0);
+  const ProcessEnd end = wait_for(worker.process);
   worker.process = -1;
-  if (worker.failure != 0 || (WIFEXITED(status) && WEXITSTATUS(status) == 0)) return;
+  if (worker.failure != 0 || end.is_good()) return;
   worker.failure = kFailure;
-  worker.failure_text =
-      WIFSIGNALED(status) ? fmt::format("a worker process was ended by signal {}", WTERMSIG(status))
-                          : "a worker process failed without a word";
+  worker.failure_text = end.signal != 0
+                            ? fmt::format("a worker process was ended by signal {}", end.signal)
+                            : "a worker process failed without a word";
 }
 
 // Takes what a worker has written; returns the steps it has done since.
@@ -151,7 +120,7 @@ void end_all(std::vector<Worker>& workers) {
     if (worker.process > 0) kill(worker.process, SIGKILL);
   }
   for (const Worker& worker : workers) {
-    if (worker.process > 0) waitpid(worker.process, nullptr, 0);
+    if (worker.process > 0) wait_for(worker.process);
     if (worker.pipe >= 0) close(worker.pipe);
   }
 }

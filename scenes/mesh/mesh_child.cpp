@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstring>
@@ -12,11 +11,10 @@
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/prctl.h>
 #include <sys/resource.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "scenes/files/child_process.h"
 #include "scenes/files/input_error.h"
 #include "scenes/mesh/mesh_soup.h"
 
@@ -51,7 +49,6 @@ uint64_t mapped_bytes() {
 }
 
 void confine(const ReaderLimits& limits) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (const int number : {SIGINT, SIGTERM, SIGPIPE, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) {
     signal(number, SIG_DFL);
   }
@@ -59,15 +56,6 @@ void confine(const ReaderLimits& limits) {
   limit(RLIMIT_FSIZE, 0);
   limit(RLIMIT_CPU, static_cast<rlim_t>(limits.cpu_s));
   limit(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
-}
-
-void write_all(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return;  // the parent is gone
-    bytes.remove_prefix(static_cast<size_t>(written));
-  }
 }
 
 std::string message_of(const std::filesystem::path& file, const Reader& reader) {
@@ -85,8 +73,9 @@ std::string message_of(const std::filesystem::path& file, const Reader& reader) 
   }
 }
 
-[[noreturn]] void read_and_exit(int pipe, const std::filesystem::path& file, const Reader& reader,
-                                const ReaderLimits& limits) {
+// What the child does; its exit code.
+int read_in_confinement(int pipe, const std::filesystem::path& file, const Reader& reader,
+                        const ReaderLimits& limits) {
   // Libraries may print: their last words are not ours.
   constexpr int kPipe = STDERR_FILENO + 1;
   const int nowhere = open("/dev/null", O_RDWR);
@@ -95,18 +84,18 @@ std::string message_of(const std::filesystem::path& file, const Reader& reader) 
   close_range(kPipe + 1, ~0U, 0);
   confine(limits);
   write_all(kPipe, message_of(file, reader));
-  _exit(0);
+  return 0;
 }
 
 struct Outcome {
   std::string message;
-  int status = 0;           // as waitpid gives it
+  ProcessEnd end;
   bool is_late = false;     // we ended it
   bool is_endless = false;  // it said more than any mesh
 };
 
 // Reads until the child closes its pipe or its time is over, then ends and reaps it.
-Outcome listen(pid_t child, int pipe, const ReaderLimits& limits) {
+Outcome listen(const ChildProcess& child, const ReaderLimits& limits) {
   Outcome outcome;
   const auto deadline = Clock::now() + std::chrono::seconds(limits.wall_s);
   std::vector<char> buffer(size_t{1} << 18);
@@ -116,36 +105,32 @@ Outcome listen(pid_t child, int pipe, const ReaderLimits& limits) {
     outcome.is_late = left <= 0;
     outcome.is_endless = outcome.message.size() > kMaxMessageBytes;
     if (outcome.is_late || outcome.is_endless) break;
-    pollfd waiting{.fd = pipe, .events = POLLIN, .revents = 0};
+    pollfd waiting{.fd = child.pipe, .events = POLLIN, .revents = 0};
     if (poll(&waiting, 1, static_cast<int>(left)) <= 0) continue;
-    const ssize_t size = read(pipe, buffer.data(), buffer.size());
+    const ssize_t size = read(child.pipe, buffer.data(), buffer.size());
     if (size < 0 && errno == EINTR) continue;
     if (size <= 0) break;
     outcome.message.append(buffer.data(), static_cast<size_t>(size));
   }
-  close(pipe);
-  if (outcome.is_late || outcome.is_endless) kill(child, SIGKILL);
-  while (waitpid(child, &outcome.status, 0) < 0 && errno == EINTR) {
-  }
+  close(child.pipe);
+  if (outcome.is_late || outcome.is_endless) kill(child.process, SIGKILL);
+  outcome.end = wait_for(child.process);
   return outcome;
 }
 
 // Why the child's message cannot be used; empty when it can.
 std::string why_unusable(const Outcome& outcome, const ReaderLimits& limits) {
-  const bool is_signalled = WIFSIGNALED(outcome.status);
-  const int signal = is_signalled ? WTERMSIG(outcome.status) : 0;
+  const int signal = outcome.end.signal;
   if (outcome.is_late || signal == SIGXCPU) {
     return fmt::format("broken, or too large: reading it takes more than {} s",
                        outcome.is_late ? limits.wall_s : limits.cpu_s);
   }
   if (outcome.is_endless) return "its reader does not end";
   if (signal == SIGKILL) return "its reader was killed, perhaps for want of memory";
-  if (is_signalled) {
+  if (signal != 0) {
     return fmt::format("broken: its reader crashed on it ({})", strsignal(signal));
   }
-  if (WIFEXITED(outcome.status) && WEXITSTATUS(outcome.status) != 0) {
-    return "broken: its reader crashed on it";
-  }
+  if (outcome.end.exit_code != 0) return "broken: its reader crashed on it";
   if (outcome.message.empty()) return "its reader ended without a word";
   if (outcome.message[0] == kNoMemory) {
     return fmt::format("broken, or too large: reading it takes more than {} MiB",
@@ -176,20 +161,10 @@ ReaderLimits limits_for(uint64_t file_bytes) {
 
 MeshSoup read_in_child(const std::filesystem::path& file, const Reader& reader,
                        const ReaderLimits& limits) {
-  std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) {
-    throw std::runtime_error(fmt::format("pipe: {}", std::strerror(errno)));
-  }
-  fcntl(ends[0], F_SETPIPE_SZ, kPipeBytes);  // a wish: fewer switches between the two
-  const pid_t child = fork();
-  if (child < 0) {
-    const std::string reason = std::strerror(errno);
-    for (const int end : ends) close(end);
-    throw std::runtime_error(fmt::format("fork: {}", reason));
-  }
-  if (child == 0) read_and_exit(ends[1], file, reader, limits);
-  close(ends[1]);
-  const Outcome outcome = listen(child, ends[0], limits);
+  const ChildProcess child =
+      fork_child([&](int pipe) { return read_in_confinement(pipe, file, reader, limits); });
+  fcntl(child.pipe, F_SETPIPE_SZ, kPipeBytes);  // a wish: fewer switches between the two
+  const Outcome outcome = listen(child, limits);
   const std::string problem = why_unusable(outcome, limits);
   if (!problem.empty()) throw InputError(fmt::format("{}: {}", file.string(), problem));
   if (outcome.message[0] != kSoup) throw InputError(one_line(outcome.message.substr(1)));

@@ -8,7 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <pugixml.hpp>
 
+#include "eval/compare/compare_text.h"
+#include "eval/compare/junit.h"
 #include "scenes/files/input_error.h"
 #include "tests/eval/program.h"
 #include "tests/scenes/temporary_folder.h"
@@ -165,6 +168,42 @@ TEST_F(Compare, CountsFailures) {
   EXPECT_TRUE(worse.has_regression());
   EXPECT_FALSE(compare_runs(base, write_summary("same.json", 1, 100, 3), 0).has_regression());
   EXPECT_FALSE(compare_runs(base, path("worse.json"), 0.25).has_regression());
+}
+
+// Whatever a study, a condition or a solver is called, the XML reads back with the same names.
+TEST(Junit, IsXmlWhateverTheNames) {
+  Comparison comparison;
+  comparison.study = "a<b> & \"c\" 'd'";
+  comparison.cells.resize(3);
+  CellDifference& worse = comparison.cells[0];
+  worse.condition = "target.name bell\x07 \xEF\xBF\xBF]]>\nü";
+  worse.solver = std::string("nul\0", 4);
+  worse.verdict = Verdict::kMissing;
+  CellDifference& better = comparison.cells[1];
+  better.solver = "<!-- orpe -->";
+  better.verdict = Verdict::kBetter;
+  better.differences.emplace_back().quantity = "<&\"\x01";
+  better.differences[0].verdict = Verdict::kBetter;
+
+  pugi::xml_document document;
+  const std::string text = to_junit(comparison);
+  const pugi::xml_parse_result parsed = document.load_string(text.c_str(), pugi::parse_full);
+  ASSERT_TRUE(parsed) << parsed.description() << "\n" << text;
+  EXPECT_EQ(text.find_first_of("\x01\x07"), std::string::npos);
+  EXPECT_THAT(text, Not(HasSubstr("&#0")));
+  const pugi::xml_node suite = document.child("testsuites").child("testsuite");
+  EXPECT_EQ(suite.attribute("name").value(), comparison.study);
+  EXPECT_EQ(suite.attribute("tests").as_int(), 3);
+  EXPECT_EQ(suite.attribute("failures").as_int(), 1);
+  const pugi::xml_node first = suite.child("testcase");
+  EXPECT_EQ(first.attribute("classname").value(),
+            comparison.study + ".target.name bell\uFFFD \uFFFD]]>\nü");
+  EXPECT_STREQ(first.attribute("name").value(), "nul\uFFFD");
+  EXPECT_STREQ(first.child("failure").attribute("message").value(), "the new run lacks this cell");
+  const pugi::xml_node second = first.next_sibling("testcase");
+  EXPECT_EQ(second.attribute("name").value(), better.solver);
+  EXPECT_THAT(second.child("system-out").text().get(), HasSubstr("<&\"\uFFFD is better"));
+  EXPECT_FALSE(second.next_sibling("testcase").first_child()) << "nothing changed";
 }
 
 TEST_F(Compare, BadInputIsOneLine) {

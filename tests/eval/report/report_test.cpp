@@ -15,7 +15,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "eval/output/text.h"
+#include "eval/output/words.h"
 #include "eval/report/means.h"
 #include "scenes/files/input_error.h"
 #include "tests/eval/report/small_report.h"

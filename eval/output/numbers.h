@@ -11,22 +11,28 @@
 
 namespace sightline {
 
-/// Text as it may stand between tags and in quoted attributes.
-std::string escape_html(std::string_view text);
+// Numbers as pages and the terminal show them. A file that programs read holds other ones: the
+// shortest that read back the same (csv.h).
 
-/// JSON as it may stand in a <script> element: no "<", which might end it.
-std::string script_json(std::string json);
-
-/// Fixed point with a true minus sign; "–" for what is not a number, "∞" for infinity.
+/// Fixed point for pages, with a true minus sign; "–" for what is not a number, "∞" for infinity.
 std::string fixed(double value, int decimals);
+
+/// Fixed point for the terminal, zero without a sign; "-" for what is not finite.
+std::string number_text(double value, int decimals);
 
 /// Decimals that show a measure to about its interval's width: two, more below 0.1, none from 100.
 int decimals_for(double value);
 std::string measure(double value);
 
-/// "[1.20, 1.42]", with the decimals of the value that it belongs to; empty where there is none
-/// (NaN).
+/// "[1.20, 1.42]", from the texts of both ends.
+std::string bracketed(std::string_view low, std::string_view high);
+
+/// An interval for pages, "[1.20, 1.42]", with the decimals of the value that it belongs to; empty
+/// where there is none (NaN).
 std::string interval(const std::array<double, 2>& bounds, int decimals);
+
+/// The same for the terminal; "-" where there is none.
+std::string interval_text(const std::array<double, 2>& bounds, int decimals);
 
 /// "12 (3.0 %)"; "0" alone for none of some, "–" for none of none.
 std::string count_of(int64_t part, int64_t whole);
@@ -39,11 +45,5 @@ std::string triple(const Eigen::Vector3d& values, int decimals);
 
 /// The pitch, yaw and roll of a rotation in degrees.
 Eigen::Vector3d attitude_deg(const Eigen::Matrix3d& rotation);
-
-/// A solver's name for readers, as words: "orpe_tree" becomes "ORPE tree".
-std::string solver_label(std::string_view name);
-
-/// A status as words: "too_few_points" becomes "too few points".
-std::string words(std::string_view status);
 
 }  // namespace sightline

@@ -1,11 +1,4 @@
-// SPDX-FileCopyrightText: 2026 The Sightline authors
-// SPDX-License-Identifier: GPL-3.0-or-later
-#include "eval/report/chart_js.h"
-
-namespace sightline {
-namespace {
-
-constexpr const char* kLicence = R"licence(/*
+/*
 Chart.js, copyright 2014-2022 Chart.js Contributors, with @kurkle/color, copyright 2022 Jukka Kurkela.
 The MIT License: Permission is hereby granted, free of charge, to any person obtaining a copy of this
 software and associated documentation files (the "Software"), to deal in the Software without
@@ -19,14 +12,3 @@ IN NO EVENT SHALL THE AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMA
 LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION
 WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE.
 */
-)licence";
-
-constexpr const char* kChartJs = R"chart(${CHART_JS_TEXT})chart";
-
-}  // namespace
-
-std::string chart_js() {
-  return std::string(kLicence) + kChartJs;
-}
-
-}  // namespace sightline

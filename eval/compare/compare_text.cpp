@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/compare/compare_text.h"
+
+#include <cmath>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "eval/output/numbers.h"
+#include "eval/output/text_table.h"
+
+namespace sightline {
+namespace {
+
+std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kUnchanged:
+      return "unchanged";
+    case Verdict::kBetter:
+      return "better";
+    case Verdict::kWorse:
+      return "worse";
+    case Verdict::kMissing:
+      return "missing";
+  }
+  return "";
+}
+
+std::string short_number(double value) {
+  return std::isfinite(value) ? fmt::format("{:.3g}", value) : "-";
+}
+
+std::string change_text(const Difference& d) {
+  if (!(d.base > 0)) return short_number(d.now - d.base);
+  return fmt::format("{:+.1f} %", 100 * (d.now - d.base) / d.base);
+}
+
+std::string change_interval(const Interval95& ends) {
+  return bracketed(short_number(ends[0]), short_number(ends[1]));
+}
+
+std::string p_text(double p) {
+  return p < 1e-4 ? "< 0.0001" : fmt::format("{:.4f}", p);
+}
+
+std::string counts_text(const Comparison& comparison) {
+  std::string text =
+      fmt::format("{}: {} worse, {} better, {} unchanged",
+                  counted(static_cast<int64_t>(comparison.cells.size()), "cell"),
+                  comparison.count(Verdict::kWorse), comparison.count(Verdict::kBetter),
+                  comparison.count(Verdict::kUnchanged));
+  const int64_t missing = comparison.count(Verdict::kMissing);
+  return missing > 0 ? fmt::format("{}, {} missing", text, missing) : text;
+}
+
+std::string rule_text(const Comparison& comparison) {
+  return fmt::format(
+      "Worse or better: the interval of the change lies beyond the tolerance of {:g} %, and p < {} "
+      "adjusted by Holm over all numbers compared.",
+      100 * comparison.tolerance, kVerdictLevel);
+}
+
+}  // namespace
+
+std::string changes_text(const CellDifference& cell) {
+  if (cell.verdict == Verdict::kMissing) return "the new run lacks this cell";
+  std::string text;
+  for (const Difference& d : cell.differences) {
+    if (d.verdict == Verdict::kUnchanged) continue;
+    text += fmt::format("{}{} is {}: {} to {} ({}), difference {}, p {}", text.empty() ? "" : "; ",
+                        d.quantity, to_string(d.verdict), short_number(d.base), short_number(d.now),
+                        change_text(d), change_interval(d.ci95), p_text(d.p));
+  }
+  return text;
+}
+
+std::string to_text(const Comparison& comparison) {
+  constexpr size_t kMostRows = 30;
+  constexpr size_t kLongestLabel = 40;
+  std::vector<std::string> labels;
+  TextColumn verdicts{"verdict", {}}, bases{"base", {}}, news{"new", {}}, changes{"change", {}},
+      intervals{"95 % of new - base", {}}, p_values{"p", {}};
+  size_t left_out = 0;
+  for (const CellDifference& cell : comparison.cells) {
+    const std::string name = fmt::format("{}, {}", cell.condition, cell.solver);
+    std::vector<Difference> differences = cell.differences;
+    if (cell.verdict == Verdict::kMissing) differences.emplace_back().verdict = cell.verdict;
+    for (const Difference& d : differences) {
+      if (d.verdict == Verdict::kUnchanged) continue;
+      if (labels.size() == kMostRows) {
+        ++left_out;
+        continue;
+      }
+      labels.push_back(shortened(fmt::format("{} {}", name, d.quantity), kLongestLabel));
+      verdicts.cells.emplace_back(to_string(d.verdict));
+      bases.cells.push_back(short_number(d.base));
+      news.cells.push_back(short_number(d.now));
+      changes.cells.push_back(std::isfinite(d.base) ? change_text(d) : "-");
+      intervals.cells.push_back(change_interval(d.ci95));
+      p_values.cells.push_back(p_text(d.p));
+    }
+  }
+  std::string text = wrapped(fmt::format("{}, {}", comparison.study, comparison.how)) +
+                     wrapped(counts_text(comparison));
+  if (labels.empty()) return text;
+  text += text_block("What changed", labels,
+                     {{"", {verdicts, bases, news, changes, intervals, p_values}}});
+  if (left_out > 0) text += fmt::format("and {} more, which --markdown FILE lists\n", left_out);
+  return text + "\n" + wrapped(rule_text(comparison));
+}
+
+std::string to_markdown(const Comparison& comparison) {
+  std::string text = fmt::format("## {}: {}\n\n{}; {}. {}\n\n", comparison.study,
+                                 comparison.has_regression() ? "worse" : "no regression",
+                                 counts_text(comparison), comparison.how, rule_text(comparison));
+  text +=
+      "| condition | solver | number | verdict | base | new | change | 95 % of new - base | p |\n";
+  text += "|---|---|---|---|--:|--:|--:|--:|--:|\n";
+  for (const CellDifference& cell : comparison.cells) {
+    if (cell.verdict == Verdict::kMissing) {
+      text += fmt::format("| {} | {} | | **missing** | | | | | |\n", cell.condition, cell.solver);
+    }
+    for (const Difference& d : cell.differences) {
+      const std::string verdict(to_string(d.verdict));
+      text += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", cell.condition,
+                          cell.solver, d.quantity,
+                          d.verdict == Verdict::kUnchanged ? verdict : "**" + verdict + "**",
+                          short_number(d.base), short_number(d.now), change_text(d),
+                          change_interval(d.ci95), p_text(d.p));
+    }
+  }
+  return text;
+}
+
+}  // namespace sightline
