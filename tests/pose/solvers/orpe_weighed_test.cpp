@@ -80,9 +80,12 @@ Score score(const Setup& setup, int trials, unsigned seed) {
     lspe2 += std::pow(error_rad(find_pose_solver("lspe")->solve(s.problem, {}), s), 2);
     result.exact_rate += e.removed == outliers_of(s.problem);
     result.removed_any_rate += !e.removed.empty();
-    result.mean_probability += removed_probability(e);
-    const bool is_failed = e.diagnosis.value().is_test_failed.value_or(false);
-    result.flagged_rate += is_ambiguous(e) || is_removal_limit_reached(e) || is_failed;
+    // An estimate that failed has no diagnosis.
+    const Diagnosis said = e.diagnosis.value_or(Diagnosis{});
+    result.mean_probability += said.removed_probability.value_or(1);
+    result.flagged_rate += said.is_ambiguous.value_or(false) ||
+                           said.is_removal_limit_reached.value_or(false) ||
+                           said.is_test_failed.value_or(false);
   }
   result.ratio_to_oracle = std::sqrt(ours2 / oracle2);
   result.lspe_ratio = std::sqrt(lspe2 / oracle2);
