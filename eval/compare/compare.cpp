@@ -18,6 +18,9 @@
 #include "eval/output/text.h"
 #include "eval/output/text_table.h"
 #include "eval/results/store.h"
+#include "eval/statistics/bootstrap.h"
+#include "eval/statistics/significance.h"
+#include "eval/summary/quantities.h"
 #include "eval/summary/summary.h"
 #include "scenes/files/input_error.h"
 
@@ -31,19 +34,8 @@ constexpr double kLevel = 0.05;
 // Changes of a mean by less are rounding, whatever their interval.
 constexpr double kRounding = 1e-9;
 
-// A mean or a rate that is compared, with its name in summary.json.
-struct ErrorQuantity {
-  const char* name;
-  double EstimateRecord::*of_estimate;
-  double OrientationRecord::*of_orientation;
-  double cap;
-};
-constexpr std::array kErrors = {
-    ErrorQuantity{"geodesic_deg", &EstimateRecord::geodesic_deg, &OrientationRecord::geodesic_deg,
-                  kAngleCapDeg},
-    ErrorQuantity{"t_error_percent", &EstimateRecord::t_error_percent,
-                  &OrientationRecord::t_error_percent, kTranslationCapPercent},
-};
+// The errors that are compared.
+const std::array kErrors = {quantity("geodesic_deg"), quantity("t_error_percent")};
 
 using CellKey = std::pair<std::string, std::string>;  // condition and solver
 

@@ -20,6 +20,7 @@
 #include "eval/program/run_command.h"
 #include "eval/program/score_command.h"
 #include "eval/run/run.h"
+#include "eval/tables/plan_table.h"
 #include "eval/tables/result_table.h"
 #include "eval/target/target_report.h"
 #include "eval/work/interrupt.h"
