@@ -40,7 +40,7 @@ const Rooms kEvalRooms = {
     {"run", {"output", "report", "results", "study", "summary", "trial", "work"}},
     {"report",
      {"output", "records", "statistics", "study", "summary", "tables", "target", "trial"}},
-    {"tables", {"output", "study", "summary"}},
+    {"tables", {"output", "statistics", "study", "summary"}},
     {"target", {"statistics"}},
     {"summary", {"records", "statistics", "study"}},
     {"results", {"output", "records", "study"}},

@@ -12,24 +12,13 @@
 #include <vector>
 
 #include "eval/output/json.h"
-#include "eval/records/caps.h"
 #include "eval/records/records.h"
+#include "eval/summary/quantities.h"
 
 namespace sightline {
 
-/// A mean error that is compared, by its name in summary.json.
-struct ErrorQuantity {
-  const char* name;
-  double EstimateRecord::*of_estimate;
-  double OrientationRecord::*of_orientation;
-  double cap;
-};
-inline constexpr std::array kComparedErrors = {
-    ErrorQuantity{"geodesic_deg", &EstimateRecord::geodesic_deg, &OrientationRecord::geodesic_deg,
-                  kAngleCapDeg},
-    ErrorQuantity{"t_error_percent", &EstimateRecord::t_error_percent,
-                  &OrientationRecord::t_error_percent, kTranslationCapPercent},
-};
+/// The mean errors that are compared.
+inline const std::array kComparedErrors = {quantity("geodesic_deg"), quantity("t_error_percent")};
 
 /// One of the two runs that are compared.
 struct ComparedRun {

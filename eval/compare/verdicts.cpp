@@ -7,6 +7,8 @@
 
 #include <boost/math/distributions/students_t.hpp>
 
+#include "eval/statistics/bootstrap.h"
+#include "eval/statistics/significance.h"
 #include "eval/statistics/statistics.h"
 
 namespace sightline {

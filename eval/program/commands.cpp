@@ -25,6 +25,7 @@
 #include "eval/run/merge.h"
 #include "eval/run/run.h"
 #include "eval/study/study_file.h"
+#include "eval/tables/plan_table.h"
 #include "eval/tables/result_table.h"
 #include "eval/target/target_report.h"
 #include "eval/work/interrupt.h"

@@ -17,7 +17,7 @@
 #include "eval/report/figures.h"
 #include "eval/report/means.h"
 #include "eval/report/page_text.h"
-#include "eval/statistics/statistics.h"
+#include "eval/statistics/bootstrap.h"
 
 namespace sightline {
 namespace {
@@ -48,17 +48,17 @@ std::string failures(std::span<const TrialRecord> trials, const SolverMeans& mea
 
 mustache::data solver_line(const ReportInput& input, const PoseSolver& solver) {
   const SolverMeans means = means_over_conditions(input.study, input.summary, solver.name);
-  const MeanInterval& theta = means.theta_error_deg;
-  const MeanInterval& t = means.t_error_percent;
+  const Measured& theta = means.theta_error_deg;
+  const Measured& t = means.t_error_percent;
   const PaperFigure paper = means.paper.value_or(PaperFigure{});
   return mustache::object{
       {"solver", solver_label(solver.name)},
       {"evaluation_only", solver.evaluation_only},
       {"summary", std::string(solver.summary)},
-      {"theta", measure(theta.mean)},
-      {"theta_interval", interval(theta.ci95, decimals_for(theta.mean))},
-      {"t", measure(t.mean)},
-      {"t_interval", interval(t.ci95, decimals_for(t.mean))},
+      {"theta", measure(theta.value)},
+      {"theta_interval", interval(theta.ci95, decimals_for(theta.value))},
+      {"t", measure(t.value)},
+      {"t_interval", interval(t.ci95, decimals_for(t.value))},
       {"has_failures", means.failures > 0},
       {"failures", failures(input.trials, means)},
       {"has_paper", means.paper.has_value()},

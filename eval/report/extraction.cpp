@@ -2,10 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What the images gave: how often each feature was found, how well, and why it was not.
-#include <cmath>
-#include <limits>
-#include <map>
-#include <vector>
+#include <string>
 
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
@@ -13,78 +10,30 @@
 #include "eval/output/numbers.h"
 #include "eval/output/words.h"
 #include "eval/report/figures.h"
-#include "eval/report/page_text.h"
-#include "eval/report/panels.h"
-#include "eval/statistics/statistics.h"
 
 namespace sightline {
 namespace {
 
 namespace mustache = kainjow::mustache;
 
-// A feature over all trials, whatever their condition.
-struct FeatureTotals {
-  int64_t trials = 0;
-  int64_t visible = 0;
-  int64_t outliers = 0;
-  double inlier_squares_px2 = 0;
-  std::vector<double> errors_px;       // of the found ones
-  std::map<std::string, int> missing;  // by reason
-};
-
-void add(FeatureTotals& totals, const ObservationRecord& observation) {
-  ++totals.trials;
-  if (observation.is_visible) ++totals.visible;
-  if (!observation.is_found()) {
-    ++totals.missing[words(observation.status)];
-    return;
-  }
-  totals.errors_px.push_back(observation.error_px);
-  if (observation.is_outlier) {
-    ++totals.outliers;
-  } else {
-    totals.inlier_squares_px2 += observation.error_px * observation.error_px;
-  }
-}
-
-std::vector<std::pair<std::string, FeatureTotals>> totals_of(const ReportInput& input,
-                                                             const ImageStudy& study) {
-  std::vector<std::pair<std::string, FeatureTotals>> all;
-  for (const int feature : study.features) {
-    all.emplace_back(study.target->features[feature].name, FeatureTotals{});
-  }
-  for (const TrialRecord& trial : input.trials) {
-    for (const ObservationRecord& observation : trial.observations) {
-      for (auto& [name, totals] : all) {
-        if (name == observation.feature) add(totals, observation);
-      }
-    }
-  }
-  return all;
-}
-
-std::string reasons(const FeatureTotals& totals) {
+std::string reasons(const FeatureSummary& feature) {
   std::string text;
-  for (const auto& [reason, count] : totals.missing) {
-    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", reason, count);
+  for (const auto& [status, count] : feature.missing) {
+    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", words(status), count);
   }
   return text;
 }
 
-mustache::data row(const std::string& name, const FeatureTotals& totals) {
-  const auto found = static_cast<int64_t>(totals.errors_px.size());
-  const double inliers = static_cast<double>(found - totals.outliers);
-  const double nothing = std::numeric_limits<double>::quiet_NaN();
-  const double rms = inliers > 0 ? std::sqrt(totals.inlier_squares_px2 / (2 * inliers)) : nothing;
-  const double median = found > 0 ? percentile(totals.errors_px, 0.5) : nothing;
-  return mustache::object{{"name", name},
-                          {"trials", fmt::to_string(totals.trials)},
-                          {"visible", count_of(totals.visible, totals.trials)},
-                          {"found", count_of(found, totals.trials)},
-                          {"outliers", count_of(totals.outliers, found)},
-                          {"rms", measure(rms)},
-                          {"median", measure(median)},
-                          {"missing", reasons(totals)}};
+// A feature over all trials, whatever their condition.
+mustache::data total_row(const FeatureSummary& feature) {
+  return mustache::object{{"name", feature.feature},
+                          {"trials", fmt::to_string(feature.trials)},
+                          {"visible", count_of(feature.visible, feature.trials)},
+                          {"found", count_of(feature.found, feature.trials)},
+                          {"outliers", count_of(feature.outliers, feature.found)},
+                          {"rms", measure(feature.inlier_rms_px)},
+                          {"median", measure(feature.median_px)},
+                          {"missing", reasons(feature)}};
 }
 
 mustache::data row(const FeatureSummary& feature) {
@@ -143,11 +92,14 @@ std::string extraction_figure(const ReportInput& input) {
   const ImageStudy* const images = input.study.images();
   if (images == nullptr || images->features.empty()) return "";
   mustache::data features(mustache::data::type::list);
-  for (const auto& [name, totals] : totals_of(input, *images)) features << row(name, totals);
+  if (const auto& extraction = input.summary.extraction) {
+    for (const std::string& feature : extraction->features()) {
+      features << total_row(extraction->over_all_trials(feature));
+    }
+  }
   return mustache::mustache(page_text("extraction.mustache"))
       .render(mustache::object{
-          {"caption", fmt::format("Features over {}.",
-                                  counted(static_cast<int64_t>(input.trials.size()), "trial"))},
+          {"caption", fmt::format("Features over {}.", counted(trials_of(input.summary), "trial"))},
           {"features", features},
           {"outlier_px", outlier_limit_px(*images)},
           {"extractors", extractor_names(images->setups.front())},

@@ -12,7 +12,7 @@
 #include "eval/report/figures.h"
 #include "eval/report/means.h"
 #include "eval/report/panels.h"
-#include "eval/statistics/statistics.h"
+#include "eval/statistics/bootstrap.h"
 
 namespace sightline {
 namespace {

@@ -14,7 +14,7 @@
 #include <fmt/ranges.h>
 
 #include "eval/output/words.h"
-#include "eval/summary/summary.h"
+#include "eval/summary/quantities.h"
 
 namespace sightline {
 namespace {
@@ -102,25 +102,34 @@ void sort_by_x(SweepPanel& panel, const Study& study, const std::string& key) {
   if (panel.axis.is_log && panel.x.front() <= 0) panel.axis.is_log = false;
 }
 
-template <typename Record>
-double or_infinity(const std::vector<Record>& records, size_t solver, double Record::*error) {
-  if (solver >= records.size()) return std::numeric_limits<double>::infinity();
-  const Record& record = records[solver];
-  const double value = record.*error;
-  return value >= 0 ? value : std::numeric_limits<double>::infinity();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Infinite where there is no pose.
+double estimate_error(const TrialRecord& trial, size_t solver, double EstimateRecord::*error) {
+  if (solver >= trial.estimates.size()) return kInfinity;
+  const EstimateRecord& estimate = trial.estimates[solver];
+  return estimate.is_ok() && estimate.*error >= 0 ? estimate.*error : kInfinity;
 }
 
-template <double EstimateRecord::*kError>
-double estimate_error(const TrialRecord& trial, size_t solver) {
-  const bool is_ok = solver < trial.estimates.size() && trial.estimates[solver].is_ok();
-  return is_ok ? or_infinity(trial.estimates, solver, kError)
-               : std::numeric_limits<double>::infinity();
+// A mean over a trial's copies, in which a failed copy counts as the cap already.
+double copies_error(const TrialRecord& trial, size_t method, double OrientationRecord::*error) {
+  if (method >= trial.orientations.size()) return kInfinity;
+  const double value = trial.orientations[method].*error;
+  return value >= 0 ? value : kInfinity;
 }
 
-// Means over a trial's copies, in which a failed copy counts as the cap already.
-template <double OrientationRecord::*kError>
-double copies_error(const TrialRecord& trial, size_t method) {
-  return or_infinity(trial.orientations, method, kError);
+TrialError error_of_poses(const Quantity& quantity) {
+  return {quantity.id, quantity.label, quantity.cap,
+          [error = quantity.of_estimate](const TrialRecord& trial, size_t solver) {
+            return estimate_error(trial, solver, error);
+          }};
+}
+
+TrialError error_of_orientations(const Quantity& quantity) {
+  return {quantity.id, quantity.label, quantity.cap,
+          [error = quantity.of_orientation](const TrialRecord& trial, size_t method) {
+            return copies_error(trial, method, error);
+          }};
 }
 
 }  // namespace
@@ -150,20 +159,21 @@ double beside(double place, size_t index, size_t count) {
 }
 
 std::vector<TrialError> trial_errors(const Study& study) {
-  if (study.orientation() != nullptr) {
-    return {{"angle", "Error of an Euler angle, °", kAngleCapDeg,
-             copies_error<&OrientationRecord::angle_error_deg>},
-            {"t", "T error, %", kTranslationCapPercent,
-             copies_error<&OrientationRecord::t_error_percent>}};
+  const bool is_orientation = study.orientation() != nullptr;
+  std::vector<TrialError> errors;
+  for (const Quantity& quantity : quantities()) {
+    if (is_orientation && quantity.in_orientation_studies.is_charted) {
+      errors.push_back(error_of_orientations(quantity));
+    }
+    if (!is_orientation && quantity.in_pose_studies.is_charted) {
+      errors.push_back(error_of_poses(quantity));
+    }
   }
-  return {{"theta", "θ error, °", kAngleCapDeg, estimate_error<&EstimateRecord::theta_error_deg>},
-          {"t", "T error, %", kTranslationCapPercent,
-           estimate_error<&EstimateRecord::t_error_percent>}};
+  return errors;
 }
 
 TrialError geodesic_error() {
-  return {"geodesic", "Geodesic error, °", kAngleCapDeg,
-          estimate_error<&EstimateRecord::geodesic_deg>};
+  return error_of_poses(quantity("geodesic_deg"));
 }
 
 std::string label_in(const Study& study, const std::string& solver) {

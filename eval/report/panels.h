@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,7 @@ struct TrialError {
   std::string label;  ///< "θ error, °"
   double cap = 0;
   /// By the solver's place in the study; infinite where it has no pose.
-  double (*of)(const TrialRecord& trial, size_t solver);
+  std::function<double(const TrialRecord& trial, size_t solver)> of;
 };
 
 std::vector<TrialError> trial_errors(const Study& study);

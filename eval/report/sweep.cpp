@@ -14,9 +14,10 @@
 
 #include "eval/output/numbers.h"
 #include "eval/report/figures.h"
-#include "eval/report/means.h"
 #include "eval/report/page_text.h"
 #include "eval/report/panels.h"
+#include "eval/summary/cells.h"
+#include "eval/summary/claims.h"
 #include "eval/tables/sweep_table.h"
 
 namespace sightline {
@@ -60,7 +61,7 @@ bool has_bound(const SweepQuantity& quantity) {
 mustache::data solver_row(const ReportInput& input, const Quantities& quantities, int condition,
                           const std::string& solver) {
   mustache::data cells(mustache::data::type::list);
-  const CellSummary cell = sweep_cell(input.summary, condition, solver);
+  const CellSummary& cell = cell_at(input.summary, condition, solver);
   for (const SweepQuantity& quantity : quantities) {
     const int decimals = sweep_decimals(input.summary, quantity);
     const bool has_interval = quantity.interval != nullptr;
@@ -124,7 +125,7 @@ mustache::data worst(const ReportInput& input, const SweepQuantity& quantity,
   double value = ErrorSummary::kNone;
   std::string where;
   for (int condition = 0; condition < condition_count(input.study); ++condition) {
-    const double here = quantity.value(sweep_cell(input.summary, condition, solver));
+    const double here = quantity.value(cell_at(input.summary, condition, solver));
     const bool is_worse = quantity.is_better_high ? here < value : here > value;
     if (!is_worse && !(std::isnan(value) && !std::isnan(here))) continue;
     value = here;
@@ -144,8 +145,8 @@ struct Comparison {
 Comparison compare(const ReportInput& input, const std::string& method, const std::string& peer) {
   Comparison comparison;
   for (int condition = 0; condition < condition_count(input.study); ++condition) {
-    const CellSummary a = sweep_cell(input.summary, condition, method);
-    const CellSummary b = sweep_cell(input.summary, condition, peer);
+    const CellSummary& a = cell_at(input.summary, condition, method);
+    const CellSummary& b = cell_at(input.summary, condition, peer);
     if (a.trials == 0) continue;
     comparison.greatest_difference_deg =
         std::max(comparison.greatest_difference_deg,
@@ -175,24 +176,6 @@ mustache::object answer_row(const ReportInput& input, const std::string& solver)
   return row;
 }
 
-// Of an image study, whose table has two errors side by side, these two.
-Quantities chart_quantities(const ReportInput& input) {
-  if (input.study.images() == nullptr) return quantities_of(input, false);
-  using Cell = CellSummary;
-  return {{.heading = "θ error / °, mean of the trials",
-           .value = [](const Cell& cell) { return cell.theta_error_deg.mean; },
-           .interval = [](const Cell& cell) -> const std::array<double, 2>& {
-             return cell.theta_error_deg.mean_ci95;
-           },
-           .bound = &CellObservations::bound_theta_deg},
-          {.heading = "T error / % of the distance, mean of the trials",
-           .value = [](const Cell& cell) { return cell.t_error_percent.mean; },
-           .interval = [](const Cell& cell) -> const std::array<double, 2>& {
-             return cell.t_error_percent.mean_ci95;
-           },
-           .bound = &CellObservations::bound_t_percent}};
-}
-
 // "Time / ns, mean of the draws" without what comes after the unit, if that is short.
 std::string axis_title(const std::string& heading) {
   constexpr size_t kLongest = 40;
@@ -213,7 +196,7 @@ ChartSeries solver_series(const ReportInput& input, const SweepQuantity& quantit
   ChartSeries series{.label = label_in(input.study, solvers[solver]),
                      .style = static_cast<int>(solver)};
   for (size_t i = 0; i < panel.conditions.size(); ++i) {
-    const CellSummary cell = sweep_cell(input.summary, panel.conditions[i], solvers[solver]);
+    const CellSummary& cell = cell_at(input.summary, panel.conditions[i], solvers[solver]);
     const double y = quantity.value(cell);
     if (std::isnan(y)) continue;
     const bool is_of_words = !panel.axis.names.empty();
@@ -242,13 +225,11 @@ ChartSeries paper_series(const ReportInput& input, const SweepQuantity& quantity
   ChartSeries series{.label = label_in(input.study, solvers[solver]) + " in the paper",
                      .style = static_cast<int>(solver),
                      .is_from_paper = true};
-  const bool is_theta = quantity.bound == &CellObservations::bound_theta_deg;
   for (size_t i = 0; i < panel.conditions.size(); ++i) {
     const Condition& condition = input.study.conditions[panel.conditions[i]];
     const PaperFigure* figure = paper_figure(condition, solvers[solver]);
     if (figure == nullptr) continue;
-    add_point(series, beside(panel.x[i], solver, solvers.size()),
-              is_theta ? figure->theta_error_deg : figure->t_error_percent);
+    add_point(series, beside(panel.x[i], solver, solvers.size()), figure->*quantity.paper);
   }
   return series;
 }
@@ -264,7 +245,7 @@ Chart chart_of(const ReportInput& input, const SweepQuantity& quantity, const Sw
   std::vector<ChartSeries> series;
   for (size_t s = 0; s < input.study.solver_names().size(); ++s) {
     series.push_back(solver_series(input, quantity, panel, s));
-    if (has_paper_figures(input.study)) {
+    if (quantity.paper != nullptr) {
       series.push_back(paper_series(input, quantity, panel, s));
     }
   }
@@ -317,7 +298,7 @@ std::string sweep_figure(const ReportInput& input) {
 std::vector<Chart> sweep_charts(const ReportInput& input) {
   std::vector<Chart> charts;
   size_t number = 0;
-  for (const SweepQuantity& quantity : chart_quantities(input)) {
+  for (const SweepQuantity& quantity : quantities_of(input, false)) {
     const std::string group = fmt::format("sweep-{}", ++number);
     size_t panel_number = 0;
     for (const SweepPanel& panel : sweep_panels(input.study)) {

@@ -85,8 +85,8 @@ mustache::object condition_row(const ReportInput& input, int condition, std::str
 
 mustache::object mean_row(const ReportInput& input, std::string_view solver) {
   const SolverMeans means = means_over_conditions(input.study, input.summary, solver);
-  mustache::object row = cell(means.theta_error_deg.mean, means.theta_error_deg.ci95,
-                              means.t_error_percent.mean, means.t_error_percent.ci95);
+  mustache::object row = cell(means.theta_error_deg.value, means.theta_error_deg.ci95,
+                              means.t_error_percent.value, means.t_error_percent.ci95);
   set_failures(row, means.failures);
   set_paper(row, means.paper ? &*means.paper : nullptr);
   return row;

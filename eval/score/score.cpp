@@ -14,6 +14,7 @@
 
 #include "eval/datasets/pictures.h"
 #include "eval/score/pose_errors.h"
+#include "eval/statistics/bootstrap.h"
 #include "eval/summary/summary.h"
 #include "pose/attitude.h"
 #include "pose/camera.h"

@@ -13,7 +13,7 @@
 
 #include "eval/datasets/bop/dataset.h"
 #include "eval/datasets/bop/results_csv.h"
-#include "eval/statistics/statistics.h"
+#include "eval/statistics/error_statistics.h"
 
 namespace sightline {
 

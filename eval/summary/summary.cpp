@@ -3,399 +3,216 @@
 #include "eval/summary/summary.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
-#include <limits>
-#include <map>
 #include <numbers>
-#include <optional>
-#include <string_view>
-#include <unordered_set>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include <fmt/format.h>
-
-#include "pose/angles.h"
-#include "pose/bounds.h"
+#include "eval/summary/pose_cell.h"
+#include "eval/summary/repeats.h"
+#include "eval/summary/trial_bounds.h"
 
 namespace sightline {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::string_view kOracle = "oracle";
-// Stands for the noise of a feature that showed none, so that its information is finite.
-constexpr double kLeastNoisePx = 1e-3;
-constexpr double kChiSquared6At95 = 12.591587243743977;  // R: qchisq(0.95, 6)
 
-// A sum of squares that knows how many it holds.
-struct MeanSquare {
-  double sum = 0;
-  int count = 0;
-
-  void add(double value) {
-    sum += value * value;
-    ++count;
-  }
-  double root() const { return count > 0 ? std::sqrt(sum / count) : kNoNumber; }
-};
-
-int outliers_in(const TrialRecord& trial) {
-  return static_cast<int>(std::count_if(trial.observations.begin(), trial.observations.end(),
-                                        [](const ObservationRecord& o) { return o.is_outlier; }));
-}
-
-// The solver's pose of a trial; null when it failed or is not there.
-const EstimateRecord* pose_of(const TrialRecord& trial, std::string_view solver) {
-  const EstimateRecord* const estimate = find_estimate(trial, solver);
-  return estimate != nullptr && estimate->is_ok() ? estimate : nullptr;
-}
-
-// The bound of one trial, in the units of errors and capped like them.
-struct TrialBound {
-  double theta_deg = 0;
-  double t_percent = 0;
-  double geodesic_deg = 0;
-};
-
-// Where the target has its features, by name; empty for a study without a target.
-using Positions = std::map<std::string, Eigen::Vector3d>;
-
-Positions positions_of(const Study& study) {
-  Positions positions;
-  const PoseStudy* const of_target = study.pose_study();
-  if (of_target == nullptr) return positions;
-  for (const TargetFeature& feature : of_target->target->features) {
-    positions.emplace(feature.name, feature.position_m);
-  }
-  return positions;
-}
-
-// None for a trial whose inliers do not determine a pose. A feature that the target does not have
-// (any more: stored trials outlive the target's file) tells nothing.
-std::optional<TrialBound> bound_of(const Study& study, const Positions& positions,
-                                   const TrialRecord& trial,
-                                   const std::map<std::string, double>& noise_px) {
-  std::vector<Eigen::Vector3d> points;
-  std::vector<Eigen::Matrix2d> covariances_px2;
-  for (const ObservationRecord& o : trial.observations) {
-    const auto position = positions.find(o.feature);
-    if (!o.is_found() || o.is_outlier || position == positions.end()) continue;
-    points.push_back(position->second);
-    const double sd_px = std::max(noise_px.at(o.feature), kLeastNoisePx);
-    covariances_px2.push_back(sd_px * sd_px * Eigen::Matrix2d::Identity());
-  }
-  const auto bound = cramer_rao_bound(study.camera_of(trial.trial), points,
-                                      trial.true_cam_from_target, covariances_px2);
-  if (!bound) return std::nullopt;
-  return TrialBound{std::min(bound->attitude_rms_rad / kDegree, kAngleCapDeg),
-                    std::min(100 * bound->translation_rms, kTranslationCapPercent),
-                    std::min(bound->geodesic_rms_rad / kDegree, kAngleCapDeg)};
-}
-
-// A numeric study's cell without noise has no bound, and exact solvers err by rounding alone, of
-// which ratios say nothing.
-bool is_noiseless(const Study& study, int condition) {
-  const NumericStudy* const numeric = study.numeric();
-  return numeric != nullptr && numeric->cells[condition].noise_px == 0;
-}
-
-// A solver in a condition, trial by trial.
-struct CellAccumulator {
-  CellSummary cell;
-  ErrorStatistics theta_error_deg{kAngleCapDeg};
-  ErrorStatistics t_error_percent{kTranslationCapPercent};
-  ErrorStatistics geodesic_deg{kAngleCapDeg};
-  ErrorStatistics angle_error_deg{kAngleCapDeg};  // as the next, of an orientation study
-  ErrorStatistics time_ns{kInfinity};
-  int64_t false_removals = 0;
-  int64_t missed_outliers = 0;
-  int64_t exact = 0;
-  RmsRatio to_oracle;
-  RmsRatio to_bound;
-  ErrorStatistics nees{kInfinity};
-  int64_t nees_covered = 0;
-};
-
-// A feature in a condition.
-struct FeatureAccumulator {
-  FeatureSummary summary;
-  MeanSquare inlier_error_px;  // of one coordinate
-  ErrorStatistics error_px{kInfinity};
-};
-
-// A number that trials share if they are the same draw, and almost surely only then.
-class Fingerprint {
- public:
-  explicit Fingerprint(const TrialRecord& trial) {
-    add(trial.true_cam_from_target);
-    add(trial.prior_cam_from_target);
-    for (const ObservationRecord& o : trial.observations) {
-      add(o.is_found());
-      add(o.pixel.x());
-      add(o.pixel.y());
-    }
-    for (const OrientationRecord& o : trial.orientations) add(o.geodesic_deg);
-  }
-  uint64_t value() const { return value_; }
-
- private:
-  void add(double number) {
-    // FNV-1a over words, with a shift as the high bits of doubles hold most.
-    value_ = (value_ ^ std::bit_cast<uint64_t>(number)) * 0x100000001b3;
-    value_ ^= value_ >> 32;
-  }
-  void add(const Pose& pose) {
-    for (const double element : pose.rotation.reshaped()) add(element);
-    for (const double element : pose.translation) add(element);
-  }
-
-  uint64_t value_ = 0xcbf29ce484222325;
-};
-
-// Counts the trials that were there before, in memory that does not grow for ever.
-class Repeats {
- public:
-  void add(const TrialRecord& trial) {
-    if (trial.observations.empty() && trial.orientations.empty()) return;  // nothing was drawn
-    const uint64_t fingerprint = Fingerprint(trial).value();
-    if (seen_.contains(fingerprint)) {
-      ++count_;
-    } else if (seen_.size() < ErrorStatistics::kMostValuesKept) {
-      seen_.insert(fingerprint);
-    }
-  }
-  int count() const { return count_; }
-
- private:
-  std::unordered_set<uint64_t> seen_;
-  int count_ = 0;
-};
+// ---- Studies that estimate poses ----
 
 // A condition: what its images gave, and its solvers.
-struct ConditionAccumulator {
+struct PoseCondition {
   int trials = 0;
   Repeats repeats;
   int64_t found = 0;
   int64_t outliers = 0;
-  MeanSquare inlier_error_px;
-  std::vector<FeatureAccumulator>
-      features;  // in the order in which they come, which is the study's
+  MeanSquare inlier_error_px;  // of one coordinate
   double bound_theta_deg = 0;
   double bound_t_percent = 0;
   MeanSquare bound_geodesic_deg;
-  std::vector<CellAccumulator> cells;  // in the study's order of solvers
+  std::vector<PoseCell> cells;  // in the study's order of solvers
+
+  void add(const ObservationRecord& observation) {
+    found += observation.is_found();
+    outliers += observation.is_outlier;
+    if (!observation.is_found() || observation.is_outlier) return;
+    inlier_error_px.add(observation.error_px / std::numbers::sqrt2);
+  }
+  void add(const TrialBound& bound) {
+    bound_theta_deg += bound.theta_deg;
+    bound_t_percent += bound.t_percent;
+    bound_geodesic_deg.add(bound.geodesic_deg);
+  }
+  CellObservations observations(int condition) const;
 };
 
-double capped_geodesic_deg(const EstimateRecord* estimate) {
-  return estimate != nullptr ? std::min(estimate->geodesic_deg, kAngleCapDeg) : kAngleCapDeg;
-}
-
-const OrientationRecord* find_orientation(const TrialRecord& trial, std::string_view method) {
-  for (const OrientationRecord& orientation : trial.orientations) {
-    if (orientation.method == method) return &orientation;
+CellObservations PoseCondition::observations(int condition) const {
+  CellObservations cell;
+  cell.condition = condition;
+  cell.trials = trials;
+  cell.repeated = repeats.count();
+  cell.inlier_rms_px = inlier_error_px.root();
+  if (trials > 0) {
+    cell.found = static_cast<double>(found) / trials;
+    cell.outliers = static_cast<double>(outliers) / trials;
   }
-  return nullptr;
+  const int bounds = bound_geodesic_deg.count;
+  cell.bound_theta_deg = bounds > 0 ? bound_theta_deg / bounds : kNoNumber;
+  cell.bound_t_percent = bounds > 0 ? bound_t_percent / bounds : kNoNumber;
+  cell.bound_geodesic_deg = bound_geodesic_deg.root();
+  return cell;
 }
 
 // Takes trials in the order of their numbers, so that no sum depends on shards.
-class Summariser {
+class PoseSummariser {
  public:
-  explicit Summariser(const Study& study)
-      : study_(study), positions_(positions_of(study)), conditions_(study.conditions.size()) {
+  explicit PoseSummariser(const Study& study)
+      : study_(study), bounds_(study), features_(study), conditions_(study.conditions.size()) {
     const std::vector<std::string> solvers = study.solver_names();
     for (size_t i = 0; i < conditions_.size(); ++i) {
       for (const std::string& solver : solvers) {
-        CellSummary& cell = conditions_[i].cells.emplace_back().cell;
-        cell.condition = static_cast<int>(i);
-        cell.solver = solver;
+        conditions_[i].cells.emplace_back(static_cast<int>(i), solver);
       }
     }
   }
 
-  // What the images gave. In a study with images the noise of its features, which a bound needs, is
-  // known when all trials have been through here.
+  // What the images gave.
   void observe(const TrialRecord& trial) {
-    ConditionAccumulator& condition = conditions_.at(static_cast<size_t>(trial.condition));
+    PoseCondition& condition = condition_of(trial);
     ++condition.trials;
     condition.repeats.add(trial);
-    for (size_t i = 0; i < trial.observations.size(); ++i) {
-      const ObservationRecord& o = trial.observations[i];
-      FeatureAccumulator& feature = feature_of(condition, o.feature, i, trial.condition);
-      condition.found += o.is_found();
-      condition.outliers += o.is_outlier;
-      feature.summary.visible += o.is_visible;
-      feature.summary.outliers += o.is_outlier;
-      if (!o.is_found()) continue;
-      ++feature.summary.found;
-      feature.error_px.add(o.error_px);
-      if (o.is_outlier) continue;
-      condition.inlier_error_px.add(o.error_px / std::numbers::sqrt2);
-      feature.inlier_error_px.add(o.error_px / std::numbers::sqrt2);
+    for (const ObservationRecord& observation : trial.observations) condition.add(observation);
+    features_.add(trial);
+  }
+
+  // The bound of an image study needs the noise of its features, which is known when all trials
+  // were observed.
+  void take_noise_as_observed() {
+    for (int i = 0; i < static_cast<int>(conditions_.size()); ++i) {
+      bounds_.set_noise_px(i, features_.inlier_rms_px(i));
     }
   }
 
   // What the solvers made of it.
   void judge(const TrialRecord& trial) {
-    ConditionAccumulator& condition = conditions_.at(static_cast<size_t>(trial.condition));
-    if (study_.orientation() != nullptr) {
-      for (CellAccumulator& cell : condition.cells) add_orientation(trial, cell);
-      return;
-    }
-    const bool has_ratios = !is_noiseless(study_, trial.condition);
-    const std::optional<TrialBound> bound = has_ratios ? bound_for(trial) : std::nullopt;
-    if (bound) {
-      condition.bound_theta_deg += bound->theta_deg;
-      condition.bound_t_percent += bound->t_percent;
-      condition.bound_geodesic_deg.add(bound->geodesic_deg);
-    }
-    const EstimateRecord* const oracle = has_ratios ? pose_of(trial, kOracle) : nullptr;
-    const int outliers = outliers_in(trial);
-    for (CellAccumulator& cell : condition.cells) {
-      const EstimateRecord* const estimate = pose_of(trial, cell.cell.solver);
-      add_estimate(estimate, outliers, cell);
-      const double geodesic_deg = capped_geodesic_deg(estimate);
-      if (oracle != nullptr) cell.to_oracle.add(geodesic_deg, capped_geodesic_deg(oracle));
-      if (bound) cell.to_bound.add(geodesic_deg, bound->geodesic_deg);
-    }
+    PoseCondition& condition = condition_of(trial);
+    TrialReference reference;
+    reference.outliers =
+        static_cast<int>(std::count_if(trial.observations.begin(), trial.observations.end(),
+                                       [](const ObservationRecord& o) { return o.is_outlier; }));
+    if (!bounds_.is_noiseless(trial.condition)) reference.oracle = pose_of(trial, kOracle);
+    reference.bound = bounds_.of(trial);
+    if (reference.bound) condition.add(*reference.bound);
+    for (PoseCell& cell : condition.cells) cell.add(trial, reference);
   }
 
   Summary finish() const {
     Summary summary;
     for (size_t i = 0; i < conditions_.size(); ++i) {
-      const ConditionAccumulator& condition = conditions_[i];
-      for (const CellAccumulator& cell : condition.cells) {
-        summary.cells.push_back(finished_cell(cell, condition.trials));
+      const PoseCondition& condition = conditions_[i];
+      for (const PoseCell& cell : condition.cells) {
+        summary.cells.push_back(cell.summary(study_, condition.trials));
       }
-      summary.observations.push_back(finished_observations(condition, static_cast<int>(i)));
-      for (const FeatureAccumulator& feature : condition.features) {
-        FeatureSummary& finished = summary.features.emplace_back(feature.summary);
-        finished.inlier_rms_px = feature.inlier_error_px.root();
-        finished.median_px = feature.error_px.quantile(0.5);
-      }
+      summary.observations.push_back(condition.observations(static_cast<int>(i)));
     }
+    summary.features = features_.summaries();
     return summary;
   }
 
+  FeatureStatistics&& take_features() && { return std::move(features_); }
+
  private:
-  // Every trial that was imaged has an observation of every feature, in the study's order.
-  static FeatureAccumulator& feature_of(ConditionAccumulator& condition, const std::string& name,
-                                        size_t guess, int condition_index) {
-    std::vector<FeatureAccumulator>& features = condition.features;
-    if (guess < features.size() && features[guess].summary.feature == name) return features[guess];
-    for (FeatureAccumulator& feature : features) {
-      if (feature.summary.feature == name) return feature;
-    }
-    FeatureAccumulator& feature = features.emplace_back();
-    feature.summary.condition = condition_index;
-    feature.summary.feature = name;
-    return feature;
-  }
-
-  std::optional<TrialBound> bound_for(const TrialRecord& trial) const {
-    const ConditionAccumulator& condition = conditions_.at(static_cast<size_t>(trial.condition));
-    const NumericStudy* const numeric = study_.numeric();
-    std::map<std::string, double> noise_px;
-    for (const FeatureAccumulator& feature : condition.features) {
-      noise_px[feature.summary.feature] =
-          numeric != nullptr ? numeric->cells[static_cast<size_t>(trial.condition)].noise_px
-                             : feature.inlier_error_px.root();
-    }
-    return bound_of(study_, positions_, trial, noise_px);
-  }
-
-  static void add_estimate(const EstimateRecord* estimate, int outliers, CellAccumulator& cell) {
-    if (estimate == nullptr) {
-      ++cell.cell.failures;
-      cell.missed_outliers += outliers;
-      for (ErrorStatistics* error :
-           {&cell.theta_error_deg, &cell.t_error_percent, &cell.geodesic_deg}) {
-        error->add(kInfinity);
-      }
-      return;
-    }
-    cell.theta_error_deg.add(estimate->theta_error_deg);
-    cell.t_error_percent.add(estimate->t_error_percent);
-    cell.geodesic_deg.add(estimate->geodesic_deg);
-    cell.false_removals += estimate->false_removals;
-    cell.missed_outliers += estimate->missed_outliers;
-    cell.exact += estimate->false_removals == 0 && estimate->missed_outliers == 0;
-    if (!estimate->covariance) return;
-    cell.nees.add(estimate->nees);
-    cell.nees_covered += estimate->nees <= kChiSquared6At95;
-  }
-
-  static void add_orientation(const TrialRecord& trial, CellAccumulator& cell) {
-    const OrientationRecord* const record = find_orientation(trial, cell.cell.solver);
-    if (record == nullptr) return;
-    cell.cell.failures += record->failures > 0;
-    cell.cell.failed_copies += record->failures;
-    cell.angle_error_deg.add(record->angle_error_deg);
-    cell.theta_error_deg.add(record->theta_error_deg);
-    cell.geodesic_deg.add(record->geodesic_deg);
-    cell.t_error_percent.add(record->t_error_percent);
-    cell.time_ns.add(record->time_ns);
-  }
-
-  CellSummary finished_cell(const CellAccumulator& accumulator, int trials) const {
-    CellSummary cell = accumulator.cell;
-    cell.trials = trials;
-    const auto statistics = [&](const ErrorStatistics& errors, std::string_view name) {
-      return errors.summary(
-          study_.seed, fmt::format("bootstrap/{}/{}/{}",
-                                   study_.conditions[static_cast<size_t>(cell.condition)].label,
-                                   cell.solver, name));
-    };
-    cell.theta_error_deg = statistics(accumulator.theta_error_deg, "theta_error_deg");
-    cell.t_error_percent = statistics(accumulator.t_error_percent, "t_error_percent");
-    cell.geodesic_deg = statistics(accumulator.geodesic_deg, "geodesic_deg");
-    cell.failure_rate_ci95 = wilson_interval(cell.failures, trials);
-    if (study_.orientation() != nullptr) {
-      cell.angle_error_deg = statistics(accumulator.angle_error_deg, "angle_error_deg");
-      if (study_.takes_times()) cell.time_ns = statistics(accumulator.time_ns, "time_ns");
-      return cell;
-    }
-    cell.ratio_to_oracle = accumulator.to_oracle.value();
-    cell.ratio_to_oracle_ci95 = accumulator.to_oracle.ci95();
-    cell.ratio_to_bound = accumulator.to_bound.value();
-    cell.ratio_to_bound_ci95 = accumulator.to_bound.ci95();
-    const ErrorSummary nees = statistics(accumulator.nees, "nees");
-    cell.nees.trials = accumulator.nees.count();
-    cell.nees.mean = nees.mean;
-    cell.nees.mean_ci95 = nees.mean_ci95;
-    if (cell.nees.trials > 0) {
-      cell.nees.coverage95 =
-          static_cast<double>(accumulator.nees_covered) / static_cast<double>(cell.nees.trials);
-    }
-    cell.nees.coverage95_ci95 = wilson_interval(accumulator.nees_covered, cell.nees.trials);
-    if (trials == 0) return cell;
-    cell.false_removals = static_cast<double>(accumulator.false_removals) / trials;
-    cell.missed_outliers = static_cast<double>(accumulator.missed_outliers) / trials;
-    cell.exact_set_rate = static_cast<double>(accumulator.exact) / trials;
-    cell.exact_set_rate_ci95 = wilson_interval(accumulator.exact, trials);
-    return cell;
-  }
-
-  CellObservations finished_observations(const ConditionAccumulator& condition, int index) const {
-    CellObservations cell;
-    cell.condition = index;
-    cell.trials = condition.trials;
-    cell.repeated = condition.repeats.count();
-    if (study_.orientation() != nullptr) return cell;
-    cell.inlier_rms_px = condition.inlier_error_px.root();
-    if (cell.trials > 0) {
-      cell.found = static_cast<double>(condition.found) / cell.trials;
-      cell.outliers = static_cast<double>(condition.outliers) / cell.trials;
-    }
-    const int bounds = condition.bound_geodesic_deg.count;
-    cell.bound_theta_deg = bounds > 0 ? condition.bound_theta_deg / bounds : kNoNumber;
-    cell.bound_t_percent = bounds > 0 ? condition.bound_t_percent / bounds : kNoNumber;
-    cell.bound_geodesic_deg = condition.bound_geodesic_deg.root();
-    return cell;
+  PoseCondition& condition_of(const TrialRecord& trial) {
+    return conditions_.at(static_cast<size_t>(trial.condition));
   }
 
   const Study& study_;
-  Positions positions_;
-  std::vector<ConditionAccumulator> conditions_;
+  TrialBounds bounds_;
+  FeatureStatistics features_;
+  std::vector<PoseCondition> conditions_;
 };
+
+Summary summarise_images(const Study& study, const TrialSource& trials) {
+  PoseSummariser summariser(study);
+  trials([&](const TrialRecord& trial) { summariser.observe(trial); });
+  summariser.take_noise_as_observed();
+  trials([&](const TrialRecord& trial) { summariser.judge(trial); });
+  Summary summary = summariser.finish();
+  summary.extraction = std::move(summariser).take_features();
+  return summary;
+}
+
+Summary summarise_numeric(const Study& study, const TrialSource& trials) {
+  PoseSummariser summariser(study);
+  trials([&](const TrialRecord& trial) {
+    summariser.observe(trial);
+    summariser.judge(trial);
+  });
+  return summariser.finish();
+}
+
+// ---- Orientation studies ----
+
+// One method in one condition, trial by trial.
+struct MethodCell {
+  std::string method;
+  int failures = 0;
+  int failed_copies = 0;
+  CellErrorStatistics errors;
+
+  void add(const TrialRecord& trial) {
+    for (const OrientationRecord& orientation : trial.orientations) {
+      if (orientation.method != method) continue;
+      failures += orientation.failures > 0;
+      failed_copies += orientation.failures;
+      errors.add(orientation);
+      return;
+    }
+  }
+  CellSummary summary(const Study& study, int condition, int trials) const {
+    CellSummary cell;
+    cell.set_errors(errors.summary(study, condition, method));
+    cell.condition = condition;
+    cell.solver = method;
+    cell.trials = trials;
+    cell.failures = failures;
+    cell.failed_copies = failed_copies;
+    cell.failure_rate_ci95 = wilson_interval(failures, trials);
+    return cell;
+  }
+};
+
+struct MethodCondition {
+  int trials = 0;
+  Repeats repeats;
+  std::vector<MethodCell> cells;  // in the study's order of methods
+
+  void add(const TrialRecord& trial) {
+    ++trials;
+    repeats.add(trial);
+    for (MethodCell& cell : cells) cell.add(trial);
+  }
+};
+
+Summary summarise_orientations(const Study& study, const TrialSource& trials) {
+  MethodCondition empty;
+  for (const std::string& method : study.solver_names()) empty.cells.emplace_back().method = method;
+  std::vector<MethodCondition> conditions(study.conditions.size(), empty);
+  trials([&](const TrialRecord& trial) {
+    conditions.at(static_cast<size_t>(trial.condition)).add(trial);
+  });
+  Summary summary;
+  for (int i = 0; i < static_cast<int>(conditions.size()); ++i) {
+    const MethodCondition& condition = conditions[static_cast<size_t>(i)];
+    for (const MethodCell& cell : condition.cells) {
+      summary.cells.push_back(cell.summary(study, i, condition.trials));
+    }
+    CellObservations& observations = summary.observations.emplace_back();
+    observations.condition = i;
+    observations.trials = condition.trials;
+    observations.repeated = condition.repeats.count();
+  }
+  return summary;
+}
 
 }  // namespace
 
@@ -410,24 +227,9 @@ TrialSource in_order(std::span<const TrialRecord> trials) {
 }
 
 Summary summarise(const Study& study, const TrialSource& trials) {
-  Summariser summariser(study);
-  const ImageStudy* const images = study.images();
-  if (images == nullptr) {
-    trials([&](const TrialRecord& trial) {
-      summariser.observe(trial);
-      summariser.judge(trial);
-    });
-    return summariser.finish();
-  }
-  ExtractionStatistics extraction(*images);
-  trials([&](const TrialRecord& trial) {
-    summariser.observe(trial);
-    extraction.add(trial);
-  });
-  trials([&](const TrialRecord& trial) { summariser.judge(trial); });
-  Summary summary = summariser.finish();
-  summary.extraction = std::move(extraction);
-  return summary;
+  if (study.images() != nullptr) return summarise_images(study, trials);
+  if (study.numeric() != nullptr) return summarise_numeric(study, trials);
+  return summarise_orientations(study, trials);
 }
 
 Summary summarise(const Study& study, std::span<const TrialRecord> trials) {

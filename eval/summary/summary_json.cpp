@@ -78,29 +78,38 @@ Json nees_json(const NeesSummary& nees) {
           {"coverage95_ci95", nees.coverage95_ci95}};
 }
 
+// Those of poses first; what orientations alone have stands at the end of a cell.
+void add_errors(Json& json, const CellSummary& cell, bool is_orientation, bool are_of_poses) {
+  for (const Quantity& quantity : quantities()) {
+    const bool is_of_kind = is_orientation ? quantity.of_orientation != nullptr : are_of_poses;
+    const bool is_of_poses = quantity.of_estimate != nullptr;
+    if (!is_of_kind || is_of_poses != are_of_poses || quantity.is_time) continue;
+    json[quantity.name] = error_json(cell.*quantity.summary);
+  }
+}
+
 Json cell_json(const Study& study, const CellSummary& cell) {
+  const bool is_orientation = study.orientation() != nullptr;
   Json json = {{"condition", condition_json(study, cell.condition)},
                {"solver", cell.solver},
                {"trials", cell.trials},
-               {"failures", cell.failures},
-               {"theta_error_deg", error_json(cell.theta_error_deg)},
-               {"t_error_percent", error_json(cell.t_error_percent)},
-               {"geodesic_deg", error_json(cell.geodesic_deg)},
-               {"ratio_to_oracle", cell.ratio_to_oracle},
-               {"ratio_to_bound", cell.ratio_to_bound},
-               {"false_removals", cell.false_removals},
-               {"missed_outliers", cell.missed_outliers},
-               {"exact_set_rate", cell.exact_set_rate},
-               {"capped", cell.geodesic_deg.capped},
-               {"failure_rate_ci95", cell.failure_rate_ci95},
-               {"exact_set_rate_ci95", cell.exact_set_rate_ci95},
-               {"ratio_to_oracle_ci95", cell.ratio_to_oracle_ci95},
-               {"ratio_to_bound_ci95", cell.ratio_to_bound_ci95},
-               {"nees", nees_json(cell.nees)}};
-  if (const OrientationStudy* const orientation = study.orientation()) {
-    json["copies"] = orientation->pairs.copies;
+               {"failures", cell.failures}};
+  add_errors(json, cell, is_orientation, /*are_of_poses=*/true);
+  json["ratio_to_oracle"] = cell.ratio_to_oracle;
+  json["ratio_to_bound"] = cell.ratio_to_bound;
+  json["false_removals"] = cell.false_removals;
+  json["missed_outliers"] = cell.missed_outliers;
+  json["exact_set_rate"] = cell.exact_set_rate;
+  json["capped"] = cell.geodesic_deg.capped;
+  json["failure_rate_ci95"] = cell.failure_rate_ci95;
+  json["exact_set_rate_ci95"] = cell.exact_set_rate_ci95;
+  json["ratio_to_oracle_ci95"] = cell.ratio_to_oracle_ci95;
+  json["ratio_to_bound_ci95"] = cell.ratio_to_bound_ci95;
+  json["nees"] = nees_json(cell.nees);
+  if (is_orientation) {
+    json["copies"] = study.orientation()->pairs.copies;
     json["failed_copies"] = cell.failed_copies;
-    json["angle_error_deg"] = error_json(cell.angle_error_deg);
+    add_errors(json, cell, is_orientation, /*are_of_poses=*/false);
   }
   return json;
 }
@@ -129,7 +138,7 @@ Json feature_json(const Study& study, const FeatureSummary& feature) {
 
 }  // namespace
 
-std::string to_json(const Study& study, const ExtractionStatistics& statistics) {
+std::string to_json(const Study& study, const FeatureStatistics& statistics) {
   Json cells = Json::array();
   for (size_t c = 0; c < study.conditions.size(); ++c) {
     const int condition = static_cast<int>(c);

@@ -17,6 +17,6 @@ namespace sightline {
 std::string to_json(const Study& study, const Summary& summary);
 
 /// summary.json's "extraction": a list of cells, each with its features.
-std::string to_json(const Study& study, const ExtractionStatistics& statistics);
+std::string to_json(const Study& study, const FeatureStatistics& statistics);
 
 }  // namespace sightline

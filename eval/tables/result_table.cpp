@@ -15,13 +15,15 @@
 
 #include "eval/output/numbers.h"
 #include "eval/output/text_table.h"
-#include "eval/tables/extraction_tables.h"
+#include "eval/summary/cells.h"
+#include "eval/summary/claims.h"
+#include "eval/summary/quantities.h"
+#include "eval/tables/extraction_table.h"
+#include "eval/tables/labels.h"
 #include "eval/tables/sweep_table.h"
 
 namespace sightline {
 namespace {
-
-constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 using Texts = std::vector<std::string>;
 
@@ -34,27 +36,8 @@ int decimals_for(const std::vector<double>& values) {
   return std::clamp(static_cast<int>(1 - std::floor(std::log10(least))), 2, 5);
 }
 
-// One of the two errors of the paper, wherever it stands.
-struct ErrorKind {
-  std::string name;
-  ErrorSummary CellSummary::*ours;
-  double PaperFigure::*paper;
-  int paper_decimals;  // as it prints them
-  double CellObservations::*bound;
-};
-
-bool has_trials(const CellObservations& cell) {
-  return cell.trials > 0;
-}
-
 bool has_mean_row(const Study& study) {
   return study.conditions.size() > 1;
-}
-
-Texts condition_labels(const Study& study) {
-  Texts labels;
-  for (const Condition& c : study.conditions) labels.push_back(shortened(c.label, kLongestLabel));
-  return labels;
 }
 
 Texts row_labels(const Study& study) {
@@ -63,42 +46,22 @@ Texts row_labels(const Study& study) {
   return labels;
 }
 
-// A solver's cells, by condition.
-std::vector<const CellSummary*> cells_of(const Summary& summary, std::string_view solver) {
-  std::vector<const CellSummary*> cells;
-  for (const CellSummary& cell : summary.cells) {
-    if (cell.solver == solver) cells.push_back(&cell);
-  }
-  return cells;
-}
-
-// Of values by condition: the mean over the conditions that have trials (a shard may lack some).
-double mean_of(const Summary& summary, const std::vector<double>& values) {
-  double sum = 0;
-  int count = 0;
-  for (size_t i = 0; i < values.size(); ++i) {
-    if (!has_trials(summary.observations[i])) continue;
-    sum += values[i];
-    ++count;
-  }
-  return count > 0 ? sum / count : kNoNumber;
-}
-
 // Values by condition, and their mean below where the table has that row.
 TextColumn number_column(const Study& study, const Summary& summary, const std::string& name,
                          const std::vector<double>& values, int decimals) {
   TextColumn column{name, {}};
   for (const double value : values) column.cells.push_back(number_text(value, decimals));
-  if (has_mean_row(study)) column.cells.push_back(number_text(mean_of(summary, values), decimals));
+  if (has_mean_row(study))
+    column.cells.push_back(number_text(mean_over_conditions(summary, values), decimals));
   return column;
 }
 
-std::vector<double> paper_values(const Study& study, const ErrorKind& kind,
+std::vector<double> paper_values(const Study& study, const Quantity& error,
                                  const std::string& solver) {
   std::vector<double> values;
   for (const Condition& condition : study.conditions) {
-    const auto figure = condition.paper.find(solver);
-    values.push_back(figure != condition.paper.end() ? figure->second.*kind.paper : kNoNumber);
+    const PaperFigure* const figure = paper_figure(condition, solver);
+    values.push_back(figure != nullptr ? figure->*error.paper : kNoNumber);
   }
   return values;
 }
@@ -108,33 +71,33 @@ Texts paper_solvers(const Study& study) {
   Texts solvers;
   for (const PoseSolver* solver : study.solvers()) {
     const std::string name(solver->name);
-    const bool is_in_paper =
-        std::any_of(study.conditions.begin(), study.conditions.end(),
-                    [&](const Condition& condition) { return condition.paper.contains(name); });
+    const bool is_in_paper = std::any_of(
+        study.conditions.begin(), study.conditions.end(),
+        [&](const Condition& condition) { return paper_figure(condition, name) != nullptr; });
     if (is_in_paper) solvers.push_back(name);
   }
   return solvers;
 }
 
-TextGroup paper_group(const Study& study, const Summary& summary, const ErrorKind& kind) {
+TextGroup paper_group(const Study& study, const Summary& summary, const Quantity& error) {
   TextGroup group{"paper", {}};
   for (const std::string& solver : paper_solvers(study)) {
-    group.columns.push_back(number_column(study, summary, solver, paper_values(study, kind, solver),
-                                          kind.paper_decimals));
+    group.columns.push_back(number_column(
+        study, summary, solver, paper_values(study, error, solver), error.paper_decimals));
   }
   return group;
 }
 
-TextGroup solver_group(const Study& study, const Summary& summary, const ErrorKind& kind,
+TextGroup solver_group(const Study& study, const Summary& summary, const Quantity& error,
                        std::string_view solver, int decimals) {
   std::vector<double> means;
   std::vector<double> medians;
   TextColumn intervals{"95 %", {}};
   for (const CellSummary* cell : cells_of(summary, solver)) {
-    const ErrorSummary& error = cell->*kind.ours;
-    means.push_back(error.mean);
-    medians.push_back(error.median);
-    intervals.cells.push_back(interval_text(error.mean_ci95, decimals));
+    const ErrorSummary& summarised = cell->*error.summary;
+    means.push_back(summarised.mean);
+    medians.push_back(summarised.median);
+    intervals.cells.push_back(interval_text(summarised.mean_ci95, decimals));
   }
   if (has_mean_row(study)) intervals.cells.push_back("");
   TextGroup group{std::string(solver),
@@ -145,27 +108,21 @@ TextGroup solver_group(const Study& study, const Summary& summary, const ErrorKi
   return group;
 }
 
-std::string error_block(const Study& study, const Summary& summary, const ErrorKind& kind) {
+std::string error_block(const Study& study, const Summary& summary, const Quantity& error) {
   std::vector<double> bounds;
   std::vector<double> all;
-  for (const CellObservations& cell : summary.observations) bounds.push_back(cell.*kind.bound);
-  for (const CellSummary& cell : summary.cells) all.push_back((cell.*kind.ours).mean);
+  for (const CellObservations& cell : summary.observations) bounds.push_back(cell.*error.bound);
+  for (const CellSummary& cell : summary.cells) all.push_back((cell.*error.summary).mean);
   const int decimals = decimals_for(all);
 
   std::vector<TextGroup> groups;
-  if (!paper_solvers(study).empty()) groups.push_back(paper_group(study, summary, kind));
+  if (!paper_solvers(study).empty()) groups.push_back(paper_group(study, summary, error));
   for (const PoseSolver* solver : study.solvers()) {
-    groups.push_back(solver_group(study, summary, kind, solver->name, decimals));
+    groups.push_back(solver_group(study, summary, error, solver->name, decimals));
   }
   groups.push_back({"bound", {number_column(study, summary, "mean", bounds, decimals)}});
-  return text_block(kind.name, row_labels(study), groups);
-}
-
-// The mean of a number over a solver's cells.
-double mean_over(const Summary& summary, std::string_view solver, double CellSummary::*member) {
-  std::vector<double> values;
-  for (const CellSummary* cell : cells_of(summary, solver)) values.push_back(cell->*member);
-  return mean_of(summary, values);
+  return text_block(fmt::format("{} and its 95 % interval", error.in_pose_studies.heading),
+                    row_labels(study), groups);
 }
 
 std::string solver_block(const Study& study, const Summary& summary) {
@@ -177,15 +134,15 @@ std::string solver_block(const Study& study, const Summary& summary) {
   TextColumn exact{"exactly right / %", {}};
   for (const PoseSolver* solver : study.solvers()) {
     const auto mean_text = [&](double CellSummary::*member) {
-      return number_text(mean_over(summary, solver->name, member), 2);
+      return number_text(mean_over_conditions(summary, solver->name, member), 2);
     };
     labels.emplace_back(solver->name);
     to_oracle.cells.push_back(mean_text(&CellSummary::ratio_to_oracle));
     to_bound.cells.push_back(mean_text(&CellSummary::ratio_to_bound));
     false_removals.cells.push_back(mean_text(&CellSummary::false_removals));
     missed_outliers.cells.push_back(mean_text(&CellSummary::missed_outliers));
-    exact.cells.push_back(
-        number_text(100 * mean_over(summary, solver->name, &CellSummary::exact_set_rate), 1));
+    exact.cells.push_back(number_text(
+        100 * mean_over_conditions(summary, solver->name, &CellSummary::exact_set_rate), 1));
   }
   const std::string heading = fmt::format("Geodesic error, and removals a trial{}",
                                           has_mean_row(study) ? ", mean over the conditions" : "");
@@ -229,16 +186,14 @@ std::string pose_block(const Study& study) {
 }
 
 std::string head(const Study& study, const Summary& summary) {
-  int trials = 0;
-  for (const CellObservations& cell : summary.observations) trials += cell.trials;
+  const int64_t trials = trials_of(summary);
   std::string text = wrapped(study.title.empty() ? study.name : study.title);
   if (!study.reference.empty()) text += wrapped(study.reference);
   if (!study.claim.empty()) text += wrapped(fmt::format("The paper: {}", study.claim));
   const std::vector<std::string> verdicts = claim_verdicts(study, summary);
   if (!verdicts.empty()) text += wrapped(fmt::format("Here: {}", fmt::join(verdicts, " ")));
   const size_t all = study.conditions.size();
-  const size_t run =
-      std::count_if(summary.observations.begin(), summary.observations.end(), has_trials);
+  const auto run = static_cast<size_t>(conditions_with_trials(summary));
   const std::string conditions =
       run == all ? fmt::format("{}", all) : fmt::format("{} of {}", run, all);
   const std::string of_all =
@@ -277,16 +232,12 @@ std::string failure_lines(const Study& study, const Summary& summary) {
 
 std::string repeat_warning(const Summary& summary) {
   int repeated = 0;
-  int trials = 0;
-  for (const CellObservations& cell : summary.observations) {
-    repeated += cell.repeated;
-    trials += cell.trials;
-  }
+  for (const CellObservations& cell : summary.observations) repeated += cell.repeated;
   if (repeated == 0) return "";
   return fmt::format(
       "{} of {} trials are an earlier one again, to the last bit: they make the intervals narrow "
       "and tell nothing (is a seed ignored?)",
-      repeated, trials);
+      repeated, trials_of(summary));
 }
 
 std::string to_table(const Study& study, const Summary& summary) {
@@ -297,37 +248,12 @@ std::string to_table(const Study& study, const Summary& summary) {
     return head(study, summary) + sweep_blocks(study, summary) + failure_lines(study, summary) +
            warning;
   }
-  const std::string statistic = "mean of the trials and its 95 % interval";
-  const ErrorKind theta{"theta_error / °, " + statistic, &CellSummary::theta_error_deg,
-                        &PaperFigure::theta_error_deg, 2, &CellObservations::bound_theta_deg};
-  const ErrorKind t{"T_error / % of the distance, " + statistic, &CellSummary::t_error_percent,
-                    &PaperFigure::t_error_percent, 1, &CellObservations::bound_t_percent};
-  return head(study, summary) + pose_block(study) + error_block(study, summary, theta) +
-         error_block(study, summary, t) + solver_block(study, summary) +
-         extraction_block(study, summary) + sweep_of_nuisances(study, summary) +
-         failure_lines(study, summary) + warning;
-}
-
-std::string plan_table(const Study& study, const Summary& summary, double target) {
-  std::vector<TextGroup> groups;
-  std::optional<int64_t> most;
-  for (const std::string& solver : study.solver_names()) {
-    TextColumn column{solver, {}};
-    for (const CellSummary* cell : cells_of(summary, solver)) {
-      const std::optional<int64_t> needed = trials_needed(*cell, target);
-      column.cells.push_back(needed ? fmt::to_string(*needed) : "-");
-      if (needed && (!most || *needed > *most)) most = needed;
-    }
-    groups.push_back({"", {column}});
+  std::string text = head(study, summary) + pose_block(study);
+  for (const Quantity& error : quantities()) {
+    if (error.paper != nullptr) text += error_block(study, summary, error);
   }
-  const std::string heading = fmt::format(
-      "Trials a condition for 95 % intervals of the mean theta_error and T_error of ± {:g} %",
-      100 * target);
-  std::string text = wrapped(fmt::format("{}: a pilot of {} trials a condition, seed {}",
-                                         study.name, study.draws, study.seed)) +
-                     text_block(heading, condition_labels(study), groups) + "\n";
-  if (!most) return text + wrapped("The pilot says nothing: no mean of it is above zero.");
-  return text + wrapped(fmt::format("The most: --trials {}", *most));
+  return text + solver_block(study, summary) + extraction_block(study, summary) +
+         sweep_of_nuisances(study, summary) + failure_lines(study, summary) + warning;
 }
 
 }  // namespace sightline

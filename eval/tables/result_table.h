@@ -14,15 +14,11 @@ namespace sightline {
 /// paper's figures beside it where it prints any (else the median), and the Cramér-Rao bound; then
 /// how the solvers dealt with outliers, and what the extraction gave. Solvers that do not fit
 /// beside each other stand in further blocks. Of a study without images the tables of its sweep
-/// (eval/sweep.h) stand instead. What does not apply or is not finite is '-'; means
+/// (eval/tables/sweep_table.h) stand instead. What does not apply or is not finite is '-'; means
 /// over conditions are of those that have trials.
 std::string to_table(const Study& study, const Summary& summary);
 
 /// What a reader must know of trials that are an earlier one again; empty where none is.
 std::string repeat_warning(const Summary& summary);
-
-/// How many trials each cell needs for 95 % intervals of its means of +- `target` of them, from the
-/// summary of a pilot: a row a condition, a column a solver, and the most of all.
-std::string plan_table(const Study& study, const Summary& summary, double target);
 
 }  // namespace sightline

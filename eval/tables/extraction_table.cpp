@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "eval/tables/extraction_tables.h"
+#include "eval/tables/extraction_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +10,8 @@
 
 #include "eval/output/numbers.h"
 #include "eval/output/text_table.h"
+#include "eval/summary/cells.h"
+#include "eval/tables/labels.h"
 #include "pose/angles.h"
 
 namespace sightline {
@@ -81,19 +83,11 @@ TextGroup outlier_group(const std::vector<Localisation>& rows) {
   return {"outliers", {sizes, sides, length}};
 }
 
-const CellSummary* cell_of(const Summary& summary, int condition, const std::string& solver) {
-  for (const CellSummary& cell : summary.cells) {
-    if (cell.condition == condition && cell.solver == solver) return &cell;
-  }
-  return nullptr;
-}
-
 TextColumn error_column(const std::string& name, const Study& study, const Summary& summary,
                         const std::string& solver) {
   TextColumn column{name, {}};
   for (int c = 0; c < static_cast<int>(study.conditions.size()); ++c) {
-    const CellSummary* const cell = cell_of(summary, c, solver);
-    column.cells.push_back(cell == nullptr ? "-" : number_text(cell->geodesic_deg.mean, 3));
+    column.cells.push_back(number_text(cell_at(summary, c, solver).geodesic_deg.mean, 3));
   }
   return column;
 }
@@ -104,7 +98,7 @@ struct LabelledRows {
 };
 
 // Each feature; each kind, where there are several; all.
-LabelledRows rows_of_cell(const PoseStudy& study, const ExtractionStatistics& statistics,
+LabelledRows rows_of_cell(const PoseStudy& study, const FeatureStatistics& statistics,
                           int condition) {
   LabelledRows out;
   const auto add = [&](const std::string& label, Localisation row) {
@@ -138,52 +132,19 @@ TextGroup accuracy_group(const std::string& title, const std::vector<Localisatio
   return {title, {seen, found, near, outliers, median, rms}};
 }
 
-}  // namespace
-
-std::string localisation_block(const Study& study, const ExtractionStatistics& statistics) {
-  std::vector<std::string> labels;
+// Each condition, whatever the feature.
+std::vector<Localisation> rows_of_cells(const Study& study, const FeatureStatistics& statistics) {
   std::vector<Localisation> rows;
   for (size_t c = 0; c < study.conditions.size(); ++c) {
-    labels.push_back(shortened(study.conditions[c].label, kLongestLabel));
     rows.push_back(statistics.of_cell(static_cast<int>(c)));
   }
-  return text_block(
-      "Features: found of those to be seen, outliers of those found, error of the inliers", labels,
-      {measured_group("found / %", rows, &Localisation::found_rate, 100, 1),
-       measured_group("outliers / %", rows, &Localisation::outlier_rate, 100, 1),
-       measured_group("rms / px", rows, &Localisation::rms_px, 1, 2),
-       {"bias / px",
-        {column("u", rows, &Localisation::bias_u_px, 2),
-         column("v", rows, &Localisation::bias_v_px, 2)}},
-       {"", {column("rms / sigma", rows, &Localisation::rms_sigmas, 2)}}});
+  return rows;
 }
 
-std::string accuracy_block(const Study& study, const ExtractionStatistics& statistics) {
-  constexpr size_t kFewCells = 4;
-  std::vector<std::string> conditions;
-  for (const Condition& condition : study.conditions) {
-    conditions.push_back(shortened(condition.label, kLongestLabel));
-  }
-  const std::string heading = fmt::format(
-      "Features to be seen: found, within {} px of the truth, median and rms distance of those",
-      kNearPx);
+// How few features a trial of each condition has.
+std::string fewest_lines(const Study& study, const FeatureStatistics& statistics) {
+  const std::vector<std::string> conditions = condition_labels(study);
   std::string text;
-  if (conditions.size() > kFewCells) {
-    std::vector<Localisation> rows;
-    for (size_t c = 0; c < conditions.size(); ++c) {
-      rows.push_back(statistics.of_cell(static_cast<int>(c)));
-    }
-    text = text_block(heading, conditions, {accuracy_group("", rows)});
-  } else {
-    std::vector<TextGroup> groups;
-    std::vector<std::string> labels;
-    for (size_t c = 0; c < conditions.size(); ++c) {
-      const LabelledRows cell = rows_of_cell(*study.pose_study(), statistics, static_cast<int>(c));
-      labels = cell.labels;
-      groups.push_back(accuracy_group(conditions[c], cell.rows));
-    }
-    text = text_block(heading, labels, std::move(groups));
-  }
   for (size_t c = 0; c < conditions.size(); ++c) {
     const FeatureCounts& counts = statistics.counts(static_cast<int>(c));
     if (counts.trials == 0) continue;
@@ -196,7 +157,45 @@ std::string accuracy_block(const Study& study, const ExtractionStatistics& stati
   return text;
 }
 
-std::string failure_block(const ExtractionStatistics& statistics) {
+}  // namespace
+
+std::string localisation_block(const Study& study, const FeatureStatistics& statistics) {
+  const std::vector<Localisation> rows = rows_of_cells(study, statistics);
+  return text_block(
+      "Features: found of those to be seen, outliers of those found, error of the inliers",
+      condition_labels(study),
+      {measured_group("found / %", rows, &Localisation::found_rate, 100, 1),
+       measured_group("outliers / %", rows, &Localisation::outlier_rate, 100, 1),
+       measured_group("rms / px", rows, &Localisation::rms_px, 1, 2),
+       {"bias / px",
+        {column("u", rows, &Localisation::bias_u_px, 2),
+         column("v", rows, &Localisation::bias_v_px, 2)}},
+       {"", {column("rms / sigma", rows, &Localisation::rms_sigmas, 2)}}});
+}
+
+std::string accuracy_block(const Study& study, const FeatureStatistics& statistics) {
+  constexpr size_t kFewCells = 4;
+  const std::vector<std::string> conditions = condition_labels(study);
+  const std::string heading = fmt::format(
+      "Features to be seen: found, within {} px of the truth, median and rms distance of those",
+      kNearPx);
+  std::string text;
+  if (conditions.size() > kFewCells) {
+    text = text_block(heading, conditions, {accuracy_group("", rows_of_cells(study, statistics))});
+  } else {
+    std::vector<TextGroup> groups;
+    std::vector<std::string> labels;
+    for (size_t c = 0; c < conditions.size(); ++c) {
+      const LabelledRows cell = rows_of_cell(*study.pose_study(), statistics, static_cast<int>(c));
+      labels = cell.labels;
+      groups.push_back(accuracy_group(conditions[c], cell.rows));
+    }
+    text = text_block(heading, labels, std::move(groups));
+  }
+  return text + fewest_lines(study, statistics);
+}
+
+std::string failure_block(const FeatureStatistics& statistics) {
   std::vector<Localisation> rows;
   for (const std::string& feature : statistics.features()) {
     rows.push_back(statistics.of_feature(feature));
@@ -212,10 +211,6 @@ std::string failure_block(const ExtractionStatistics& statistics) {
 std::string impact_block(const Study& study, const Summary& summary) {
   const std::vector<PoseInput>& inputs = study.pose_study()->solving.inputs;
   if (inputs.empty()) return "";
-  std::vector<std::string> labels;
-  for (const Condition& condition : study.conditions) {
-    labels.push_back(shortened(condition.label, kLongestLabel));
-  }
   std::vector<TextGroup> groups;
   for (const PoseSolver* solver : study.solvers()) {
     if (solver->evaluation_only) continue;
@@ -229,7 +224,7 @@ std::string impact_block(const Study& study, const Summary& summary) {
   }
   return text_block(
       "Mean geodesic error / ° of exact projections, of noise alone, of the inliers, of all found",
-      labels, groups);
+      condition_labels(study), groups);
 }
 
 }  // namespace sightline

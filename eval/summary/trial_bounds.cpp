@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/summary/trial_bounds.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "eval/records/caps.h"
+#include "pose/angles.h"
+#include "pose/bounds.h"
+
+namespace sightline {
+namespace {
+
+// Stands for the noise of a feature that showed none, so that its information is finite.
+constexpr double kLeastNoisePx = 1e-3;
+
+}  // namespace
+
+TrialBounds::TrialBounds(const Study& study) : study_(study), noise_px_(study.conditions.size()) {
+  for (const TargetFeature& feature : study.pose_study()->target->features) {
+    positions_m_.emplace(feature.name, feature.position_m);
+  }
+}
+
+void TrialBounds::set_noise_px(int condition, std::map<std::string, double> noise_px) {
+  noise_px_.at(static_cast<size_t>(condition)) = std::move(noise_px);
+}
+
+bool TrialBounds::is_noiseless(int condition) const {
+  const NumericStudy* const numeric = study_.numeric();
+  return numeric != nullptr && numeric->cells[condition].noise_px == 0;
+}
+
+double TrialBounds::noise_px(int condition, const std::string& feature) const {
+  const NumericStudy* const numeric = study_.numeric();
+  if (numeric != nullptr) return numeric->cells[condition].noise_px;
+  return noise_px_[static_cast<size_t>(condition)].at(feature);
+}
+
+std::optional<TrialBound> TrialBounds::of(const TrialRecord& trial) const {
+  if (is_noiseless(trial.condition)) return std::nullopt;
+  std::vector<Eigen::Vector3d> points_m;
+  std::vector<Eigen::Matrix2d> covariances_px2;
+  for (const ObservationRecord& o : trial.observations) {
+    const auto position = positions_m_.find(o.feature);
+    if (!o.is_found() || o.is_outlier || position == positions_m_.end()) continue;
+    points_m.push_back(position->second);
+    const double sd_px = std::max(noise_px(trial.condition, o.feature), kLeastNoisePx);
+    covariances_px2.push_back(sd_px * sd_px * Eigen::Matrix2d::Identity());
+  }
+  const auto bound = cramer_rao_bound(study_.camera_of(trial.trial), points_m,
+                                      trial.true_cam_from_target, covariances_px2);
+  if (!bound) return std::nullopt;
+  return TrialBound{std::min(bound->attitude_rms_rad / kDegree, kAngleCapDeg),
+                    std::min(100 * bound->translation_rms, kTranslationCapPercent),
+                    std::min(bound->geodesic_rms_rad / kDegree, kAngleCapDeg)};
+}
+
+}  // namespace sightline
