@@ -94,8 +94,8 @@ std::string warnings_of(const SetPlan& plan) {
         "depth 0 (finest that reaches all: {})\n",
         plan.depth_scale, reach_m, far_m, finest_depth_scale(far_m));
   }
-  if (!plan.study.camera.distortion.is_zero() && plan.format->name == "bop") {
-    text += "warning: BOP has no lens distortion; it stands in dataset_info.md and sightline/\n";
+  if (!plan.study.camera.distortion.is_zero() && !plan.format->lens_note.empty()) {
+    text += fmt::format("warning: {}\n", plan.format->lens_note);
   }
   return text;
 }

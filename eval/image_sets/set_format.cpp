@@ -8,10 +8,14 @@
 
 #include <fmt/format.h>
 
-#include "eval/image_sets/formats/formats.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
+
+// Each in the file of its name in formats/.
+SetFormat bop_format();
+SetFormat speed_format();
+
 std::span<const SetFormat> set_formats() {
   static const std::array kCatalogue = {bop_format(), speed_format()};
   return kCatalogue;

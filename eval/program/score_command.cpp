@@ -5,19 +5,16 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include "eval/output/json.h"
 #include "eval/output/output_folder.h"
-#include "eval/output/text_table.h"
 #include "eval/report/gnuplot.h"
 #include "eval/score/score.h"
 #include "eval/score/score_report.h"
+#include "eval/score/scores_files.h"
 #include "eval/work/interrupt.h"
 #include "eval/work/progress.h"
 
@@ -34,157 +31,6 @@ struct ScoreArguments {
   double vsd_delta_mm = 15;
   bool is_quiet = false;
 };
-
-// ---- scores.json
-
-Json rate_json(const BopRate& rate) {
-  return {{"value", rate.value}, {"ci95", rate.ci95}};
-}
-
-Json error_json(const ErrorSummary& error) {
-  return {{"mean", error.mean},     {"mean_ci95", error.mean_ci95},
-          {"median", error.median}, {"median_ci95", error.median_ci95},
-          {"rms", error.rms},       {"rms_ci95", error.rms_ci95}};
-}
-
-Json summary_json(const BopSummary& s) {
-  return {{"targets", s.targets},
-          {"estimated", s.estimated},
-          {"ar", rate_json(s.ar)},
-          {"ar_mssd", rate_json(s.ar_mssd)},
-          {"ar_mspd", rate_json(s.ar_mspd)},
-          {"ar_vsd", rate_json(s.ar_vsd)},
-          {"mssd_recalls", s.mssd_recalls},
-          {"mspd_recalls", s.mspd_recalls},
-          {"add_recall", rate_json(s.add)},
-          {"adi_recall", rate_json(s.adi)},
-          {"theta_error_deg", error_json(s.theta_error_deg)},
-          {"t_error_percent", error_json(s.t_error_percent)},
-          {"geodesic_deg", error_json(s.geodesic_deg)},
-          {"projection_5px_recall", rate_json(s.projection_5px)},
-          {"within_5deg_5cm", rate_json(s.within_5deg_5cm)},
-          {"speed_score", error_json(s.speed_score)},
-          {"speed_plus_score", error_json(s.speed_plus_score)}};
-}
-
-std::string scores_json(const ScoreArguments& arguments, const BopScores& scores,
-                        size_t estimates) {
-  Json objects = Json::array();
-  for (const auto& [obj_id, summary] : summarise_by_object(scores)) {
-    Json object = {{"obj_id", obj_id}};
-    object.update(summary_json(summary));
-    objects.push_back(std::move(object));
-  }
-  const Json json = {{"version", SIGHTLINE_VERSION},
-                     {"results", arguments.results},
-                     {"dataset", arguments.dataset},
-                     {"vsd_delta_mm", arguments.vsd_delta_mm},
-                     {"estimates", estimates},
-                     {"ignored_estimates", scores.ignored_estimates},
-                     {"all", summary_json(summarise(scores))},
-                     {"objects", objects}};
-  return json.dump(2) + "\n";
-}
-
-// ---- errors.csv
-
-constexpr std::string_view kPairNames =
-    ",mssd_mm,mspd_px,add_mm,adi_mm,theta_error_deg,t_error_percent,geodesic_deg,projection_px,"
-    "speed_score,speed_plus_score,is_within_5deg_5cm";
-
-std::string errors_header() {
-  std::string header = "scene_id,im_id,obj_id,gt_id,line,score,is_chosen";
-  header += kPairNames;
-  for (int i = 0; i < kBopThresholds; ++i) header += fmt::format(",vsd_{:.2f}", bop_fraction(i));
-  return header + "\n";
-}
-
-void write_pair(std::ostream& out, const BopPair& p, const BopEstimate& estimate, bool is_chosen) {
-  out << fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{},{}", estimate.line, estimate.score,
-                     is_chosen ? 1 : 0, p.mssd_mm, p.mspd_px, p.add_mm, p.adi_mm, p.theta_error_deg,
-                     p.t_error_percent, p.geodesic_deg, p.projection_px, p.speed_score,
-                     p.speed_plus_score, p.is_within_5deg_5cm ? 1 : 0);
-  for (int i = 0; i < kBopThresholds; ++i) {
-    out << (p.vsd.empty() ? "," : fmt::format(",{}", p.vsd[i]));
-  }
-  out << "\n";
-}
-
-// A row a target and estimate of it that counts; a target without any has one row without numbers.
-void write_errors(const BopDataset& dataset, std::span<const BopEstimate> estimates,
-                  const BopScores& scores, std::ostream& out) {
-  constexpr size_t kPairColumns = 14 + kBopThresholds;
-  out << errors_header();
-  for (const BopTarget& target : scores.targets) {
-    const BopImage& image = dataset.images[target.image];
-    const std::string key =
-        fmt::format("{},{},{},{}", image.scene_id, image.im_id, target.obj_id, target.instance);
-    if (target.pairs.empty()) out << key << std::string(kPairColumns, ',') << "\n";
-    for (size_t i = 0; i < target.pairs.size(); ++i) {
-      out << key;
-      write_pair(out, target.pairs[i], estimates[target.pairs[i].estimate], target.chosen == i);
-    }
-  }
-}
-
-// ---- the table
-
-TextGroup rate_group(const std::string& name, const std::vector<BopRate>& rates) {
-  TextGroup group{name, {{"", {}}, {"95 %", {}}}};
-  for (const BopRate& rate : rates) {
-    group.columns[0].cells.push_back(number_text(rate.value, 4));
-    group.columns[1].cells.push_back(
-        fmt::format("[{}, {}]", number_text(rate.ci95[0], 4), number_text(rate.ci95[1], 4)));
-  }
-  return group;
-}
-
-std::string score_table(const BopScores& scores) {
-  std::vector<std::string> labels{"all"};
-  std::vector<BopSummary> rows{summarise(scores)};
-  const auto by_object = summarise_by_object(scores);
-  if (by_object.size() > 1) {
-    for (const auto& [obj_id, summary] : by_object) {
-      labels.push_back(fmt::format("object {}", obj_id));
-      rows.push_back(summary);
-    }
-  }
-  std::vector<TextGroup> recalls;
-  const std::vector<std::pair<std::string, BopRate BopSummary::*>> rates = {
-      {"AR", &BopSummary::ar},
-      {"AR_MSSD", &BopSummary::ar_mssd},
-      {"AR_MSPD", &BopSummary::ar_mspd},
-      {"AR_VSD", &BopSummary::ar_vsd},
-      {"ADD < 0.1 d", &BopSummary::add},
-      {"ADI < 0.1 d", &BopSummary::adi},
-      {"2D proj. < 5 px", &BopSummary::projection_5px},
-      {"5 deg 5 cm", &BopSummary::within_5deg_5cm}};
-  for (const auto& [name, member] : rates) {
-    std::vector<BopRate> column;
-    for (const BopSummary& row : rows) column.push_back(row.*member);
-    recalls.push_back(rate_group(name, column));
-  }
-  TextColumn targets{"targets", {}}, estimated{"estimated", {}};
-  TextColumn speed{"SPEED", {}}, speed_plus{"SPEED+", {}};
-  TextColumn theta{"theta_error / °", {}}, t{"T_error / %", {}}, geodesic{"geodesic / °", {}};
-  for (const BopSummary& row : rows) {
-    targets.cells.push_back(fmt::to_string(row.targets));
-    estimated.cells.push_back(fmt::to_string(row.estimated));
-    theta.cells.push_back(number_text(row.theta_error_deg.median, 4));
-    t.cells.push_back(number_text(row.t_error_percent.median, 4));
-    geodesic.cells.push_back(number_text(row.geodesic_deg.median, 4));
-    speed.cells.push_back(number_text(row.speed_score.mean, 4));
-    speed_plus.cells.push_back(number_text(row.speed_plus_score.mean, 4));
-  }
-  return text_block("Recall, and its 95 % interval", labels, recalls) +
-         text_block(
-             "Medians of the targets, a missed one counting as infinite", labels,
-             {{"", {targets}}, {"", {estimated}}, {"", {theta}}, {"", {t}}, {"", {geodesic}}}) +
-         text_block(
-             fmt::format("Mean scores of ESA's challenges, a missed target counting as {:.4f}",
-                         kSpeedScoreCap),
-             labels, {{"", {speed}}, {"", {speed_plus}}});
-}
 
 void print_notes(const BopScores& scores) {
   if (scores.ignored_estimates > 0) {
@@ -210,13 +56,12 @@ void run_score(const ScoreArguments& arguments) {
       progress.advance(1);
     });
   }
-  write_file(out / "scores.json", scores_json(arguments, scores, estimates.size()));
-  write_file(out / "errors.csv",
-             [&](std::ostream& file) { write_errors(dataset, estimates, scores, file); });
-  const ScoreReportInput report{arguments.results, arguments.dataset, arguments.vsd_delta_mm,
-                                dataset,           estimates,         scores};
-  write_file(out / "report.html", score_report(report));
-  const std::string figures_note = write_figures(out / "figures", score_charts(report));
+  const ScoredResults scored{arguments.results, arguments.dataset, arguments.vsd_delta_mm,
+                             dataset,           estimates,         scores};
+  write_file(out / "scores.json", scores_json(scored));
+  write_file(out / "errors.csv", [&](std::ostream& file) { write_errors_csv(scored, file); });
+  write_file(out / "report.html", score_report(scored));
+  const std::string figures_note = write_figures(out / "figures", score_charts(scored));
   out.commit();
   print_notes(scores);
   if (!figures_note.empty()) std::cerr << "sightline: " << figures_note << "\n";

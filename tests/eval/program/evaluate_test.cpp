@@ -15,7 +15,6 @@
 
 #include "eval/datasets/pictures.h"
 #include "eval/datasets/sightings.h"
-#include "eval/image_sets/models.h"
 #include "eval/image_sets/set_format.h"
 #include "eval/trial/image_trial.h"
 #include "scenes/files/input_error.h"
