@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/datasets/model_file.h"
 
+#include <bit>
+#include <cstdint>
 #include <exception>
 #include <fstream>
 #include <vector>
@@ -10,10 +12,13 @@
 #include <CGAL/Simple_cartesian.h>
 #include <fmt/format.h>
 
+#include "eval/datasets/conventions.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {
+
+static_assert(std::endian::native == std::endian::little, "PLY is written as memory has it");
 
 using Point = CGAL::Simple_cartesian<double>::Point_3;
 
@@ -21,7 +26,33 @@ using Point = CGAL::Simple_cartesian<double>::Point_3;
   throw InputError(fmt::format("{}: {}", file.string(), reason));
 }
 
+template <typename Value>
+void append(std::string& bytes, const Value& value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
 }  // namespace
+
+Eigen::Vector3f ply_vertex_mm(const Eigen::Vector3d& vertex_m) {
+  return (kMillimetresPerMetre * vertex_m).cast<float>();
+}
+
+std::string ply_bytes(const Mesh& mesh) {
+  std::string bytes = fmt::format(
+      "ply\nformat binary_little_endian 1.0\ncomment millimetres\nelement vertex {}\n"
+      "property float x\nproperty float y\nproperty float z\nelement face {}\n"
+      "property list uchar int vertex_indices\nend_header\n",
+      mesh.vertices.size(), mesh.triangles.size());
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
+    const Eigen::Vector3f point = ply_vertex_mm(vertex);
+    for (const float coordinate : {point.x(), point.y(), point.z()}) append(bytes, coordinate);
+  }
+  for (const Triangle& triangle : mesh.triangles) {
+    append(bytes, uint8_t{3});
+    for (const int vertex : triangle.vertex) append(bytes, int32_t{vertex});
+  }
+  return bytes;
+}
 
 Mesh read_ply_as_it_is(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);

@@ -7,11 +7,10 @@
 #include <map>
 #include <utility>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include "eval/datasets/bop/results_csv.h"
+#include "eval/datasets/conventions.h"
 #include "eval/datasets/pictures.h"
 #include "eval/datasets/set_readers.h"
 #include "scenes/files/input_error.h"
@@ -21,8 +20,6 @@ namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kSkewTolerance = 1e-6;  // of the focal length
 
 // Turns the frame that the set's poses are of into the target's.
 Eigen::Matrix3d target_from_model(bool is_of_file_axes, const Target& target) {
@@ -144,38 +141,12 @@ void set_camera_sizes(std::vector<Sighting>& sightings) {
 
 }  // namespace
 
-Camera camera_from_matrix(const Eigen::Matrix3d& k) {
-  const bool has_focus = k(0, 0) > 0 && k(1, 1) > 0 && k.allFinite();
-  Eigen::Matrix3d rest = k - Eigen::Matrix3d::Identity();
-  rest(0, 0) = rest(1, 1) = rest(0, 2) = rest(1, 2) = 0;
-  if (!has_focus || rest.cwiseAbs().maxCoeff() > kSkewTolerance * std::max(1.0, k(0, 0))) {
-    throw InputError("must be fx 0 cx, 0 fy cy, 0 0 1 with focal lengths above 0");
-  }
-  Camera camera;
-  camera.fx_px = k(0, 0);
-  camera.fy_px = k(1, 1);
-  camera.cx_px = k(0, 2);
-  camera.cy_px = k(1, 2);
-  return camera;
-}
-
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
-  const double off =
-      (matrix.transpose() * matrix - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(off <= kRotationTolerance) || matrix.determinant() < 0) {
-    throw InputError("is no rotation");
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return svd.matrixU() * svd.matrixV().transpose();
-}
-
 std::vector<Sighting> read_sightings(const SightingSource& source,
                                      const std::shared_ptr<const Target>& target) {
   if (!fs::is_directory(source.folder)) {
     throw InputError(fmt::format("{}: is no folder", source.folder.string()));
   }
-  SetReading reading =
-      is_speed_set(source) ? read_speed_sightings(source) : read_bop_sightings(source);
+  SetReading reading = set_reader_of(source).read(source);
   require_same_model(source, reading, *target);
   std::vector<Sighting>& sightings = reading.sightings;
   set_camera_sizes(sightings);

@@ -94,9 +94,9 @@ std::string warnings_of(const SetPlan& plan) {
         "depth 0 (finest that reaches all: {})\n",
         plan.depth_scale, reach_m, far_m, finest_depth_scale(far_m));
   }
-  if (!plan.images().setups.front().scene.camera.distortion.is_zero() &&
-      plan.format->name == "bop") {
-    text += "warning: BOP has no lens distortion; it stands in dataset_info.md and sightline/\n";
+  const Camera& camera = plan.images().setups.front().scene.camera;
+  if (!camera.distortion.is_zero() && !plan.format->lens_note.empty()) {
+    text += fmt::format("warning: {}\n", plan.format->lens_note);
   }
   return text;
 }

@@ -9,10 +9,13 @@
 
 #include <fmt/format.h>
 
-#include "eval/image_sets/formats/formats.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
+
+// Each in the file of its name in formats/.
+SetFormat bop_format();
+SetFormat speed_format();
 
 EncodingText encoding_text(const SetPlan& plan) {
   const auto& setups = plan.images().setups;

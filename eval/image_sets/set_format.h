@@ -8,24 +8,21 @@
 #include <string_view>
 #include <vector>
 
+#include "eval/datasets/set_file.h"
 #include "eval/image_sets/set_plan.h"
 #include "eval/output/json.h"
 
 namespace sightline {
 
-/// A file of a set: where it lies in the set's folder, and what it holds.
-struct SetFile {
-  std::string path;
-  std::string bytes;
-};
-
-/// A layout that image sets are written in. To add one: write formats/<name>.cpp, declare it in
-/// formats/formats.h, and list it in set_format.cpp. Every function is pure: the engine writes.
+/// A layout that image sets are written in. To add one: write formats/<name>.cpp and name it in
+/// set_format.cpp. Every function is pure: the engine writes.
 /// `truth` is what truth_of (truth.h) says of an image, and images that could not be made have no
 /// part in it.
 struct SetFormat {
   std::string_view name;
   std::string_view summary;
+  /// What to tell whoever renders with lens distortion, where the format has no place for it.
+  std::string_view lens_note;
 
   /// The files of one image, the picture first.
   std::vector<SetFile> (*image_files)(const SetPlan& plan, const SetImage& image);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <numeric>
 #include <tuple>
 
@@ -13,7 +12,9 @@
 #include <opencv2/core.hpp>
 
 #include "eval/datasets/pictures.h"
-#include "eval/score/pose_errors.h"
+#include "eval/metrics/pose_errors.h"
+#include "eval/metrics/vsd.h"
+#include "eval/score/measures.h"
 #include "eval/statistics/bootstrap.h"
 #include "eval/summary/summary.h"
 #include "pose/attitude.h"
@@ -24,19 +25,18 @@
 namespace sightline {
 namespace {
 
-constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr double kMspdWidth = 640;    // px, the image that MSPD's thresholds are of
 constexpr double kAddFraction = 0.1;  // of the diameter
-constexpr double kGoodProjectionPx = 5;
-constexpr uint64_t kSeed = 1;  // of the bootstrap
+constexpr uint64_t kSeed = 1;         // of the bootstrap
 
-// Indices of `count` values, or fewer, greatest first; those that tie in their order.
-template <typename Value>
-std::vector<size_t> greatest(std::vector<size_t> indices, size_t count, const Value& value) {
-  std::stable_sort(indices.begin(), indices.end(),
-                   [&](size_t a, size_t b) { return value(a) > value(b); });
-  indices.resize(std::min(count, indices.size()));
-  return indices;
+// The estimates of an object in an image that count: as many as instances are asked for, those of
+// the best scores, and of those that tie the first. All are indices.
+std::vector<size_t> counting_estimates(std::vector<size_t> of_object, size_t count,
+                                       std::span<const BopEstimate> estimates) {
+  std::stable_sort(of_object.begin(), of_object.end(),
+                   [&](size_t a, size_t b) { return estimates[a].score > estimates[b].score; });
+  of_object.resize(std::min(count, of_object.size()));
+  return of_object;
 }
 
 // Draws what VSD compares.
@@ -74,12 +74,12 @@ class Views {
 class Group {
  public:
   Group(const BopImage& image, const BopModel& model, std::span<const BopEstimate> estimates,
-        std::vector<size_t> counting, std::vector<size_t> instances)
+        std::vector<size_t> counting, const std::vector<int>& instances)
       : image_(image),
         model_(model),
         estimates_(estimates),
         counting_(std::move(counting)),
-        instances_(std::move(instances)) {
+        instances_(instances.begin(), instances.end()) {
     for (const size_t e : counting_) {
       for (const size_t g : instances_) pairs_.push_back(pair_of(e, g));
     }
@@ -143,23 +143,18 @@ class Group {
   BopPair pair_of(size_t e, size_t g) const {
     const Pose& estimated = estimates_[e].cam_from_model;
     const Pose& truth = image_.instances[g].cam_from_model;
-    const Eigen::Matrix3Xd& points = model_.points_mm;
-    const Pose alike = nearest_alike(points, estimated, truth, model_.symmetries);
-    return {.estimate = e,
-            .instance = g,
-            .mssd_mm = mssd_mm(points, estimated, alike, std::array{Pose{}}),
-            .mspd_px = mspd_px(points, image_.k, estimated, truth, model_.symmetries),
-            .add_mm = add_mm(points, estimated, truth),
-            .adi_mm = adi_mm(points, estimated, truth),
-            .vsd = {},
-            .projection_px = projection_px(points, image_.k, estimated, alike),
-            .theta_error_deg = kDegrees * attitude_error_rad(estimated.rotation, alike.rotation),
-            .t_error_percent =
-                100 * translation_error_fraction(estimated.translation, alike.translation),
-            .geodesic_deg = kDegrees * geodesic_angle_rad(estimated.rotation, alike.rotation),
-            .speed_score = speed_score(estimated, alike),
-            .speed_plus_score = speed_plus_score(estimated, alike),
-            .is_within_5deg_5cm = is_within_5deg_5cm(estimated, alike)};
+    const Pose alike = nearest_alike(model_.points_mm, estimated, truth, model_.symmetries);
+    const PairPoses poses{.points_mm = model_.points_mm,
+                          .k = image_.k,
+                          .symmetries = model_.symmetries,
+                          .estimated = estimated,
+                          .truth = truth,
+                          .alike = alike};
+    BopPair pair;
+    pair.estimate = e;
+    pair.instance = g;
+    for (const PairMeasure& measure : pair_measures()) pair.*measure.number = measure.of(poses);
+    return pair;
   }
 
   // Greedily: the estimates in their order take the free instance of the least error below.
@@ -188,14 +183,6 @@ class Group {
   std::vector<size_t> instances_;  // indices in the image
   std::vector<BopPair> pairs_;     // row by row
 };
-
-std::vector<size_t> instances_asked(const BopImage& image, int obj_id, int count) {
-  std::vector<size_t> all;
-  for (size_t i = 0; i < image.instances.size(); ++i) {
-    if (image.instances[i].obj_id == obj_id) all.push_back(i);
-  }
-  return greatest(all, count, [&](size_t i) { return image.instances[i].visible_fraction; });
-}
 
 double share(const BopPasses& passes) {
   return static_cast<double>(std::count(passes.begin(), passes.end(), true)) / kBopThresholds;
@@ -250,23 +237,18 @@ BopSummary summary_of(std::span<const BopTarget* const> targets, bool has_vsd) {
     s.ar_vsd = mean_over(targets, vsd, "ar_vsd");
     s.ar = mean_over(targets, all, "ar");
   }
-  s.add = rate_over(targets, [](const BopTarget& t) { return t.is_add_good; });
-  s.adi = rate_over(targets, [](const BopTarget& t) { return t.is_adi_good; });
-  s.projection_5px = rate_over(targets, [](const BopTarget& t) {
-    return t.chosen && t.pairs[*t.chosen].projection_px < kGoodProjectionPx;
-  });
-  s.within_5deg_5cm = rate_over(targets, [](const BopTarget& t) {
-    return t.chosen && t.pairs[*t.chosen].is_within_5deg_5cm;
-  });
   for (int i = 0; i < kBopThresholds; ++i) {
     s.mssd_recalls[i] = rate_over(targets, [i](const BopTarget& t) { return t.mssd[i]; }).value;
     s.mspd_recalls[i] = rate_over(targets, [i](const BopTarget& t) { return t.mspd[i]; }).value;
   }
-  s.theta_error_deg = summary_of(targets, &BopPair::theta_error_deg, kAngleCapDeg, "theta");
-  s.t_error_percent = summary_of(targets, &BopPair::t_error_percent, kTranslationCapPercent, "t");
-  s.geodesic_deg = summary_of(targets, &BopPair::geodesic_deg, kAngleCapDeg, "geodesic");
-  s.speed_score = summary_of(targets, &BopPair::speed_score, kSpeedScoreCap, "speed");
-  s.speed_plus_score = summary_of(targets, &BopPair::speed_plus_score, kSpeedScoreCap, "speed+");
+  for (const SummaryMeasure& measure : summary_measures()) {
+    if (const auto* recall = std::get_if<RecallMeasure>(&measure)) {
+      s.*recall->summary = rate_over(targets, recall->is_good);
+    } else {
+      const auto& error = std::get<ErrorMeasure>(measure);
+      s.*error.summary = summary_of(targets, error.error, error.cap, error.stream);
+    }
+  }
   return s;
 }
 
@@ -288,11 +270,10 @@ BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> esti
     std::optional<Views> views;
     for (const auto& [obj_id, count] : image.targets) {
       const std::vector<size_t> counting =
-          greatest(by_object[{image.scene_id, image.im_id, obj_id}], count,
-                   [&](size_t e) { return estimates[e].score; });
+          counting_estimates(by_object[{image.scene_id, image.im_id, obj_id}], count, estimates);
       scores.ignored_estimates -= counting.size();
       Group group(image, dataset.models.at(obj_id), estimates, counting,
-                  instances_asked(image, obj_id, count));
+                  asked_instances(image, obj_id));
       if (scores.has_vsd && !counting.empty()) {
         if (!views) views.emplace(image);
         group.add_vsd(*views, vsd_delta_mm);

@@ -9,9 +9,10 @@
 #include <numbers>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
-#include "eval/datasets/bop/dataset.h"
+#include "eval/datasets/bop/read.h"
 #include "eval/datasets/bop/results_csv.h"
 #include "eval/statistics/error_statistics.h"
 
@@ -29,7 +30,8 @@ constexpr double bop_pixels(int i) {
   return 5.0 * (i + 1);
 }
 
-/// An estimate against a true pose of the same object in the same image.
+/// An estimate against a true pose of the same object in the same image. measures.cpp says how each
+/// number comes about and what files call it.
 struct BopPair {
   size_t estimate = 0;  ///< index in the results
   size_t instance = 0;  ///< index in the image
@@ -46,7 +48,7 @@ struct BopPair {
   double geodesic_deg = 0;
   double speed_score = 0;
   double speed_plus_score = 0;
-  bool is_within_5deg_5cm = false;
+  double within_5deg_5cm = 0;  ///< 1 where it is, else 0
 };
 
 /// What became of one instance that the data set asks for.
@@ -89,8 +91,8 @@ struct BopRate {
   Interval95 ci95 = kNoInterval;
 };
 
-/// Average recalls of some targets; a target without an estimate is missed. What needs VSD is NaN
-/// without depth.
+/// Average recalls of some targets, and the rates and errors of measures.cpp; a target without an
+/// estimate is missed. What needs VSD is NaN without depth.
 struct BopSummary {
   int64_t targets = 0;
   int64_t estimated = 0;  ///< targets that have an estimate
@@ -100,6 +102,16 @@ struct BopSummary {
   std::array<double, kBopThresholds> mssd_recalls{}, mspd_recalls{};
   ErrorSummary theta_error_deg, t_error_percent, geodesic_deg;  ///< a missed one has failed
   ErrorSummary speed_score, speed_plus_score;                   ///< alike
+};
+
+/// All that is told of a scored results file.
+struct ScoredResults {
+  std::string results;  ///< the file's name as it was given
+  std::string set;      ///< the data set's folder, alike
+  double vsd_delta_mm = 0;
+  const BopDataset& dataset;
+  std::span<const BopEstimate> estimates;
+  const BopScores& scores;
 };
 
 BopSummary summarise(const BopScores& scores);

@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "eval/datasets/bop/dataset.h"
+#include "eval/datasets/bop/read.h"
 #include "eval/datasets/bop/results_csv.h"
 #include "eval/score/score.h"
 

@@ -3,6 +3,7 @@
 #include "eval/score/score_report.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "eval/report/distributions.h"
 #include "eval/report/page.h"
 #include "eval/report/page_text.h"
+#include "eval/score/measures.h"
 #include "eval/score/score_pictures.h"
 #include "eval/summary/summary.h"
 
@@ -87,7 +89,7 @@ ChartSeries recall_series(const std::string& label, int style,
 
 using Recalls = std::array<double, kBopThresholds> BopSummary::*;
 
-Chart recall_chart(const ScoreReportInput& input, const std::string& id, const std::string& error,
+Chart recall_chart(const ScoredResults& input, const std::string& id, const std::string& error,
                    const std::string& unit, Recalls recalls, double (*x)(int)) {
   Chart chart;
   chart.id = chart.group = "recall-" + id;
@@ -105,7 +107,7 @@ Chart recall_chart(const ScoreReportInput& input, const std::string& id, const s
   return chart;
 }
 
-std::vector<Chart> recall_charts(const ScoreReportInput& input) {
+std::vector<Chart> recall_charts(const ScoredResults& input) {
   const auto percent = [](int i) { return 100 * bop_fraction(i); };
   return {
       recall_chart(input, "mssd", "MSSD", "% of the diameter", &BopSummary::mssd_recalls, percent),
@@ -113,13 +115,13 @@ std::vector<Chart> recall_charts(const ScoreReportInput& input) {
                    bop_pixels)};
 }
 
-std::vector<ErrorSample> samples_of(const ScoreReportInput& input, const PairError& error) {
+std::vector<ErrorSample> samples_of(const ScoredResults& input, const PairError& error) {
   std::vector<ErrorSample> samples = {{"all", 0, {}}};
   std::map<int, std::vector<double>> by_object;
   for (const BopTarget& target : input.scores.targets) {
     const BopPair* pair = chosen_of(target);
     const double value = pair == nullptr ? std::numeric_limits<double>::infinity()
-                                         : error.of(*pair, input.truth.models.at(target.obj_id));
+                                         : error.of(*pair, input.dataset.models.at(target.obj_id));
     samples.front().errors.push_back(value);
     by_object[target.obj_id].push_back(value);
   }
@@ -131,7 +133,7 @@ std::vector<ErrorSample> samples_of(const ScoreReportInput& input, const PairErr
   return samples;
 }
 
-std::vector<Chart> error_charts(const ScoreReportInput& input, const std::string& group,
+std::vector<Chart> error_charts(const ScoredResults& input, const std::string& group,
                                 DistributionChart chart_of) {
   std::vector<Chart> charts;
   for (const PairError& error : pair_errors()) {
@@ -170,7 +172,7 @@ std::string lead(const BopSummary& all) {
                      has_vsd ? "" : " Images without depth have no VSD, and so no AR.");
 }
 
-std::string counts(const ScoreReportInput& input, const BopSummary& all) {
+std::string counts(const ScoredResults& input, const BopSummary& all) {
   std::string text = fmt::format("{} of {} are missed: they have no estimate.",
                                  all.targets - all.estimated, counted(all.targets, "instance"));
   if (input.scores.ignored_estimates > 0) {
@@ -181,7 +183,7 @@ std::string counts(const ScoreReportInput& input, const BopSummary& all) {
   return text;
 }
 
-std::string answer_html(const ScoreReportInput& input) {
+std::string answer_html(const ScoredResults& input) {
   const BopSummary all = summarise(input.scores);
   mustache::data findings(mustache::data::type::list);
   findings << named("AR_MSSD", rate_cell(all.ar_mssd)) << named("AR_MSPD", rate_cell(all.ar_mspd));
@@ -206,41 +208,78 @@ std::string table_html(const std::string& label, const std::string& caption,
           {"label", label}, {"caption", caption}, {"columns", names}, {"rows", std::move(rows)}});
 }
 
-std::string objects_html(const ScoreReportInput& input) {
+// A column of the table of scores: its head, and the cell of a row.
+struct ScoreColumn {
+  std::string head;
+  std::function<mustache::object(const BopSummary&)> cell;
+};
+
+mustache::object count_cell(int64_t count) {
+  return {{"value", fmt::to_string(count)}, {"interval", ""}};
+}
+
+std::vector<ScoreColumn> average_recall_columns() {
+  return {{"AR", [](const BopSummary& s) { return rate_cell(s.ar); }},
+          {"AR_MSSD", [](const BopSummary& s) { return rate_cell(s.ar_mssd); }},
+          {"AR_MSPD", [](const BopSummary& s) { return rate_cell(s.ar_mspd); }},
+          {"AR_VSD", [](const BopSummary& s) { return rate_cell(s.ar_vsd); }}};
+}
+
+ScoreColumn error_column(const ErrorMeasure& error) {
+  return {std::string(error.page_label), [error](const BopSummary& s) {
+            const ErrorSummary& summary = s.*error.summary;
+            return error.told == Told::kMedian ? median_cell(summary)
+                                               : rate_cell({summary.mean, summary.mean_ci95});
+          }};
+}
+
+// Counts, recalls, medians, means.
+std::vector<ScoreColumn> score_columns() {
+  std::vector<ScoreColumn> columns = {
+      {"instances", [](const BopSummary& s) { return count_cell(s.targets); }},
+      {"missed", [](const BopSummary& s) { return count_cell(s.targets - s.estimated); }}};
+  for (ScoreColumn& column : average_recall_columns()) columns.push_back(std::move(column));
+  for (const SummaryMeasure& measure : summary_measures()) {
+    const auto* recall = std::get_if<RecallMeasure>(&measure);
+    if (recall == nullptr) continue;
+    columns.push_back(
+        {std::string(recall->page_label),
+         [rate = recall->summary](const BopSummary& s) { return rate_cell(s.*rate); }});
+  }
+  for (const Told told : {Told::kMedian, Told::kMean}) {
+    for (const SummaryMeasure& measure : summary_measures()) {
+      const auto* error = std::get_if<ErrorMeasure>(&measure);
+      if (error != nullptr && error->told == told) columns.push_back(error_column(*error));
+    }
+  }
+  return columns;
+}
+
+std::string objects_html(const ScoredResults& input) {
+  const std::vector<ScoreColumn> columns = score_columns();
+  std::vector<std::string> heads = {""};
+  for (const ScoreColumn& column : columns) heads.push_back(column.head);
   mustache::data rows(mustache::data::type::list);
-  for (const auto& [name, s] : summaries_of(input.scores)) {
+  for (const auto& [name, summary] : summaries_of(input.scores)) {
     mustache::data cells(mustache::data::type::list);
-    cells << mustache::object{{"value", fmt::to_string(s.targets)}, {"interval", ""}}
-          << mustache::object{{"value", fmt::to_string(s.targets - s.estimated)}, {"interval", ""}};
-    for (const BopRate& rate : {s.ar, s.ar_mssd, s.ar_mspd, s.ar_vsd, s.add, s.adi,
-                                s.projection_5px, s.within_5deg_5cm}) {
-      cells << rate_cell(rate);
-    }
-    for (const ErrorSummary* error : {&s.theta_error_deg, &s.t_error_percent, &s.geodesic_deg}) {
-      cells << median_cell(*error);
-    }
-    for (const ErrorSummary* score : {&s.speed_score, &s.speed_plus_score}) {
-      cells << rate_cell({score->mean, score->mean_ci95});
-    }
+    for (const ScoreColumn& column : columns) cells << column.cell(summary);
     rows << mustache::object{{"head", name}, {"cells", cells}};
   }
   return table_html(
       "Scores",
       "Recalls, medians of our own errors in which a missed instance counts as infinite, "
       "and mean scores of SPEED and SPEED+, with 95 % intervals in brackets.",
-      {"", "instances", "missed", "AR", "AR_MSSD", "AR_MSPD", "AR_VSD", "ADD", "ADI",
-       "2D projection", "5° 5 cm", "θ error, °", "T error, %", "geodesic, °", "SPEED", "SPEED+"},
-      std::move(rows));
+      heads, std::move(rows));
 }
 
 // From the worst on; a missed instance has nothing to look at.
-std::vector<const BopTarget*> worst_of(const ScoreReportInput& input) {
+std::vector<const BopTarget*> worst_of(const ScoredResults& input) {
   std::vector<const BopTarget*> worst;
   for (const BopTarget& target : input.scores.targets) {
     if (target.chosen) worst.push_back(&target);
   }
   const auto relative = [&](const BopTarget* target) {
-    return chosen_of(*target)->mssd_mm / input.truth.models.at(target->obj_id).diameter_mm;
+    return chosen_of(*target)->mssd_mm / input.dataset.models.at(target->obj_id).diameter_mm;
   };
   std::stable_sort(worst.begin(), worst.end(), [&](const BopTarget* a, const BopTarget* b) {
     return relative(a) > relative(b);
@@ -249,13 +288,13 @@ std::vector<const BopTarget*> worst_of(const ScoreReportInput& input) {
   return worst;
 }
 
-std::string worst_html(const ScoreReportInput& input) {
+std::string worst_html(const ScoredResults& input) {
   mustache::data rows(mustache::data::type::list);
   for (const BopTarget* target : worst_of(input)) {
     const BopPair& pair = *chosen_of(*target);
-    const BopImage& image = input.truth.images[target->image];
+    const BopImage& image = input.dataset.images[target->image];
     const BopEstimate& estimate = input.estimates[pair.estimate];
-    const double diameter_mm = input.truth.models.at(target->obj_id).diameter_mm;
+    const double diameter_mm = input.dataset.models.at(target->obj_id).diameter_mm;
     mustache::data cells(mustache::data::type::list);
     const std::vector<std::string> values = {fmt::to_string(image.im_id),
                                              fmt::to_string(target->obj_id),
@@ -281,27 +320,27 @@ std::string worst_html(const ScoreReportInput& input) {
                     std::move(rows));
 }
 
-std::string pictures_html(const ScoreReportInput& input) {
+std::string pictures_html(const ScoredResults& input) {
   const std::vector<const BopTarget*> worst = worst_of(input);
   const size_t count = std::min(worst.size(), kMostPictures);
-  return score_pictures(input.truth, std::span(worst).first(count), input.estimates);
+  return score_pictures(input.dataset, std::span(worst).first(count), input.estimates);
 }
 
-std::string definitions_html(const ScoreReportInput& input) {
+std::string definitions_html(const ScoredResults& input) {
   mustache::data facts(mustache::data::type::list);
   const auto add = [&](const std::string& key, const std::string& value) {
     facts << mustache::object{{"key", key}, {"value", value}};
   };
   add("version", SIGHTLINE_VERSION);
   add("results", input.results);
-  add("data set", input.dataset);
+  add("data set", input.set);
   add("estimates", fmt::to_string(input.estimates.size()));
   add("VSD’s δ", fmt::format("{} mm", input.vsd_delta_mm));
   return mustache::mustache(page_text("score_definitions.mustache"))
       .render(mustache::object{{"facts", facts}});
 }
 
-std::vector<PageSection> sections_of(const ScoreReportInput& input) {
+std::vector<PageSection> sections_of(const ScoredResults& input) {
   return {
       {"answer", "Answer", answer_html(input), {}},
       {"scores", "Scores by object", objects_html(input), {}},
@@ -314,7 +353,7 @@ std::vector<PageSection> sections_of(const ScoreReportInput& input) {
 
 }  // namespace
 
-std::vector<Chart> score_charts(const ScoreReportInput& input) {
+std::vector<Chart> score_charts(const ScoredResults& input) {
   std::vector<Chart> charts = recall_charts(input);
   for (std::vector<Chart> more : {error_charts(input, "cumulative", cumulative_chart),
                                   error_charts(input, "boxes", box_chart)}) {
@@ -323,12 +362,12 @@ std::vector<Chart> score_charts(const ScoreReportInput& input) {
   return charts;
 }
 
-std::string score_report(const ScoreReportInput& input) {
+std::string score_report(const ScoredResults& input) {
   const auto targets = static_cast<int64_t>(input.scores.targets.size());
   const std::string given =
       fmt::format("Estimates <code>{}</code> against <code>{}</code>: {}, version {}.",
-                  escape_html(input.results), escape_html(input.dataset),
-                  counted(targets, "instance"), SIGHTLINE_VERSION);
+                  escape_html(input.results), escape_html(input.set), counted(targets, "instance"),
+                  SIGHTLINE_VERSION);
   return render_page({"Scores of " + input.results, given, "", sections_of(input)});
 }
 

@@ -8,7 +8,7 @@
 
 #include <Eigen/Cholesky>
 
-#include "eval/trial/metrics.h"
+#include "eval/metrics/pose_errors.h"
 #include "pose/angles.h"
 #include "pose/attitude.h"
 
@@ -90,9 +90,10 @@ EstimateRecord solve(const PoseStudy& study, const PoseSolver& solver, const std
   out.t_error_percent = 100 * translation_error_fraction(pose.translation, truth.translation);
   out.geodesic_deg = geodesic_angle_rad(pose.rotation, truth.rotation) / kDegree;
   out.reprojection_rms_px = reprojection_rms_px(problem, estimate);
-  const VertexErrors errors = vertex_errors(study.target->mesh, problem.camera, pose, truth);
-  out.add_m = errors.add_m;
-  out.mssd_m = errors.mssd_m;
+  const VertexErrors errors =
+      vertex_errors(vertices_of(study.target->mesh), problem.camera, pose, truth);
+  out.add_m = errors.add;
+  out.mssd_m = errors.mssd;
   out.mspd_px = errors.mspd_px;
   judge_removals(record, found, estimate, out);
   out.covariance = reported_covariance(problem, estimate);

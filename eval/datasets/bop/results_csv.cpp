@@ -8,10 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include <Eigen/LU>
 #include <fmt/format.h>
 
-#include "eval/datasets/set_readers.h"
+#include "eval/datasets/conventions.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -40,9 +39,9 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 }
 
 // One line of the file, to be read field by field.
-class Line {
+class ResultLine {
  public:
-  Line(const std::filesystem::path& file, int number, std::string_view text)
+  ResultLine(const std::filesystem::path& file, int number, std::string_view text)
       : file_(file), number_(number), fields_(split(text, ',')) {
     if (fields_.size() == kFields) return;
     fail(fmt::format("has {} fields, must have {}: {}", fields_.size(), kFields, kHeader));
@@ -93,7 +92,7 @@ class Line {
   std::vector<std::string_view> fields_;
 };
 
-BopEstimate estimate_of(const Line& line) {
+BopEstimate estimate_of(const ResultLine& line) {
   BopEstimate estimate{.scene_id = line.id(0, "scene_id"),
                        .im_id = line.id(1, "im_id"),
                        .obj_id = line.id(2, "obj_id"),
@@ -103,12 +102,11 @@ BopEstimate estimate_of(const Line& line) {
                        .line = line.number_in_file()};
   const std::vector<double> rotation = line.numbers(4, "R", 9);
   const std::vector<double> translation = line.numbers(5, "t", 3);
-  Eigen::Matrix3d& r = estimate.cam_from_model.rotation;
-  r = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotation.data());
+  estimate.cam_from_model.rotation = matrix_from_rows(rotation);
   estimate.cam_from_model.translation = Eigen::Map<const Eigen::Vector3d>(translation.data());
-  const double error = (r.transpose() * r - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(error <= kRotationTolerance) || r.determinant() < 0)
+  if (!is_near_rotation(estimate.cam_from_model.rotation)) {
     line.fail("has an R that is no rotation");
+  }
   return estimate;
 }
 
@@ -127,7 +125,7 @@ std::vector<BopEstimate> read_bop_results(const std::filesystem::path& file) {
   }
   std::vector<BopEstimate> estimates;
   for (int number = 2; std::getline(stream, text); ++number) {
-    if (!trimmed(text).empty()) estimates.push_back(estimate_of(Line(file, number, text)));
+    if (!trimmed(text).empty()) estimates.push_back(estimate_of(ResultLine(file, number, text)));
   }
   return estimates;
 }

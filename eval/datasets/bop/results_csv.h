@@ -9,8 +9,8 @@
 
 namespace sightline {
 
-// Everything of eval/bop is in millimetres, BOP's unit, its poses' translations as well: errors are
-// compared with those of BOP's own toolkit digit by digit.
+// Everything of datasets/bop that is read is in millimetres, BOP's unit, its poses' translations as
+// well: errors are compared with those of BOP's own toolkit digit by digit.
 
 /// What a method says of one object in one image.
 struct BopEstimate {

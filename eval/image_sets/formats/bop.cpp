@@ -1,23 +1,19 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The scenewise format of the Benchmark for 6D Object Pose Estimation (Hodan et al., ECCV 2018;
-// docs/bop_datasets_format.md of its toolkit): millimetres, pixel centres at integers, depth times
-// depth_scale in millimetres. A scene is a chunk of the set. Boxes are [x, y, w, h] with w and h
-// the difference of the greatest and the least coordinate, as the toolkit's calc_gt_info has them,
-// and -1 of what is not seen at all.
-#include <algorithm>
+// Image sets in BOP's scenewise format (datasets/bop/layout.h): a scene is a chunk of the set.
 #include <cmath>
-#include <functional>
 #include <map>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "eval/datasets/bop/layout.h"
+#include "eval/datasets/bop/write.h"
+#include "eval/datasets/conventions.h"
 #include "eval/datasets/pictures.h"
-#include "eval/image_sets/formats/formats.h"
-#include "eval/image_sets/models.h"
+#include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
 
 namespace sightline {
@@ -25,10 +21,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLeastVisibleTarget = 0.1;  // what is seen less is not asked for (BOP 2019)
+std::string scene_folder(int64_t chunk) {
+  return fmt::format("{}/{}/", bop::kTestSplit, bop::scene_name(chunk));
+}
 
-std::string scene_folder(const SetPlan& plan, int64_t index) {
-  return "test/" + six_digits(plan.chunk_of(index)) + "/";
+// Where the files of an image lie, in the order in which they are told.
+struct ImagePaths {
+  std::string grey;
+  std::string depth;
+  std::vector<std::string> masks;          // an instance each
+  std::vector<std::string> visible_masks;  // alike
+};
+
+ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances) {
+  const std::string scene = scene_folder(plan.chunk_of(index));
+  const int64_t im_id = plan.number_in_chunk(index);
+  const auto path = [&scene](std::string_view folder, const std::string& name) {
+    return fmt::format("{}{}/{}.png", scene, folder, name);
+  };
+  ImagePaths paths;
+  paths.grey = path(bop::kGreyFolder, bop::image_name(im_id));
+  paths.depth = path(bop::kDepthFolder, bop::image_name(im_id));
+  for (int64_t gt_id = 0; gt_id < instances; ++gt_id) {
+    const std::string name = bop::mask_name(im_id, gt_id);
+    paths.masks.push_back(path(bop::kMaskFolder, name));
+    paths.visible_masks.push_back(path(bop::kVisibleMaskFolder, name));
+  }
+  return paths;
 }
 
 // What of an image's bodies BOP tells of, in the order of scene_gt.
@@ -41,138 +60,99 @@ std::vector<Json> annotated(const Json& truth) {
   return bodies;
 }
 
-// Millimetres in steps of depth_scale; 0 of the background and of what lies beyond 16 bits.
-cv::Mat depth_steps(const cv::Mat& depth_m, double depth_scale) {
-  constexpr double kLargest = 65535;
-  const double steps_a_m = 1000 / depth_scale;
-  cv::Mat steps(depth_m.size(), CV_16U);
-  for (int v = 0; v < depth_m.rows; ++v) {
-    const double* from = depth_m.ptr<double>(v);
-    uint16_t* to = steps.ptr<uint16_t>(v);
-    for (int u = 0; u < depth_m.cols; ++u) {
-      const double step = from[u] * steps_a_m + 0.5;
-      to[u] = step < kLargest + 1 ? static_cast<uint16_t>(step) : uint16_t{0};
-    }
-  }
-  return steps;
+ImagePaths paths_of(const SetPlan& plan, const Json& truth) {
+  return paths_of(plan, truth.at("index"), static_cast<int64_t>(annotated(truth).size()));
 }
 
-std::vector<std::string> image_paths(const SetPlan& plan, const Json& truth) {
-  const int64_t index = truth.at("index");
-  const std::string folder = scene_folder(plan, index);
-  const std::string number = six_digits(plan.number_in_chunk(index));
-  std::vector<std::string> paths = {folder + "gray/" + number + ".png",
-                                    folder + "depth/" + number + ".png"};
-  for (size_t gt = 0; gt < annotated(truth).size(); ++gt) {
-    const std::string name = number + "_" + six_digits(static_cast<int64_t>(gt)) + ".png";
-    paths.push_back(folder + "mask/" + name);
-    paths.push_back(folder + "mask_visib/" + name);
+std::vector<std::string> bop_image_paths(const SetPlan& plan, const Json& truth) {
+  const ImagePaths paths = paths_of(plan, truth);
+  std::vector<std::string> all = {paths.grey, paths.depth};
+  for (size_t gt_id = 0; gt_id < paths.masks.size(); ++gt_id) {
+    all.push_back(paths.masks[gt_id]);
+    all.push_back(paths.visible_masks[gt_id]);
   }
-  return paths;
+  return all;
 }
 
-std::vector<SetFile> image_files(const SetPlan& plan, const SetImage& image) {
+std::vector<SetFile> bop_image_files(const SetPlan& plan, const SetImage& image) {
   const Frame& frame = image.frame;
-  const std::string folder = scene_folder(plan, image.index);
-  const std::string number = six_digits(plan.number_in_chunk(image.index));
-  std::vector<SetFile> files = {
-      {folder + "gray/" + number + ".png", png_bytes(frame.image)},
-      {folder + "depth/" + number + ".png",
-       png_bytes(depth_steps(frame.depth_m, plan.depth_scale))},
-  };
-  int64_t gt = 0;
+  std::vector<size_t> told;  // bodies
   for (size_t i = 0; i < frame.truth.bodies.size(); ++i) {
-    if (frame.truth.bodies[i].is_occluder) continue;
-    const std::string name = number + "_" + six_digits(gt++) + ".png";
-    const cv::Mat& whole = frame.truth.bodies[i].amodal_mask;
-    const cv::Mat seen = frame.body_ids == static_cast<int>(i) + 1;
+    if (!frame.truth.bodies[i].is_occluder) told.push_back(i);
+  }
+  const ImagePaths paths = paths_of(plan, image.index, static_cast<int64_t>(told.size()));
+  std::vector<SetFile> files = {
+      {paths.grey, png_bytes(frame.image)},
+      {paths.depth, png_bytes(bop::depth_steps(frame.depth_m, plan.depth_scale))},
+  };
+  for (size_t gt_id = 0; gt_id < told.size(); ++gt_id) {
+    const cv::Mat& whole = frame.truth.bodies[told[gt_id]].amodal_mask;
+    const cv::Mat seen = frame.body_ids == static_cast<int>(told[gt_id]) + 1;
     const std::string whole_png = png_bytes(whole);
     const bool is_all_seen = cv::norm(whole, seen, cv::NORM_INF) == 0;
-    files.push_back({folder + "mask/" + name, whole_png});
-    files.push_back({folder + "mask_visib/" + name, is_all_seen ? whole_png : png_bytes(seen)});
+    files.push_back({paths.masks[gt_id], whole_png});
+    files.push_back({paths.visible_masks[gt_id], is_all_seen ? whole_png : png_bytes(seen)});
   }
   return files;
 }
 
-Json millimetres(const Json& metres) {
-  Json out = Json::array();
-  for (const Json& value : metres) out.push_back(1000 * value.get<double>());
-  return out;
+Json camera_of(const Json& truth, double depth_scale) {
+  const Json& stated = truth.at("camera");
+  Camera camera;
+  camera.fx_px = stated.at("fx_px");
+  camera.fy_px = stated.at("fy_px");
+  camera.cx_px = stated.at("cx_px");
+  camera.cy_px = stated.at("cy_px");
+  return bop::camera_entry(camera, depth_scale);
 }
 
-Json bop_box(const Json& box, bool is_seen) {
-  if (!is_seen) return {-1, -1, -1, -1};
-  return {box[0], box[1], box[2].get<int>() - 1, box[3].get<int>() - 1};
-}
-
-Json camera_entry(const SetPlan& plan, const Json& truth) {
-  const Json& camera = truth.at("camera");
-  return {{"cam_K",
-           {camera.at("fx_px"), 0.0, camera.at("cx_px"), 0.0, camera.at("fy_px"),
-            camera.at("cy_px"), 0.0, 0.0, 1.0}},
-          {"depth_scale", plan.depth_scale}};
-}
-
-Json gt_entry(const Json& truth) {
+Json poses_of(const Json& truth) {
   Json entries = Json::array();
   for (const Json& body : annotated(truth)) {
-    const Json& pose = body.at("cam_from_target");
-    entries.push_back({{"cam_R_m2c", pose.at("rotation")},
-                       {"cam_t_m2c", millimetres(pose.at("translation_m"))},
-                       {"obj_id", body.at("obj_id")}});
+    entries.push_back(bop::truth_entry(body.at("obj_id"), pose_in(body)));
   }
   return entries;
 }
 
-Json info_entry(const Json& truth) {
+cv::Rect rect_of(const Json& box) {
+  return {box.at(0).get<int>(), box.at(1).get<int>(), box.at(2).get<int>(), box.at(3).get<int>()};
+}
+
+Json visibilities_of(const Json& truth) {
   Json entries = Json::array();
   for (const Json& body : annotated(truth)) {
-    const bool is_seen = body.at("visible_pixels") > 0;
-    entries.push_back({{"bbox_obj", bop_box(body.at("amodal_box"), is_seen)},
-                       {"bbox_visib", bop_box(body.at("visible_box"), is_seen)},
-                       {"px_count_all", body.at("amodal_pixels")},
-                       {"px_count_valid", body.at("amodal_pixels_with_depth")},
-                       {"px_count_visib", body.at("visible_pixels")},
-                       {"visib_fract", body.at("visible_fraction")}});
+    entries.push_back(bop::info_entry({.whole_box = rect_of(body.at("amodal_box")),
+                                       .visible_box = rect_of(body.at("visible_box")),
+                                       .whole_pixels = body.at("amodal_pixels"),
+                                       .pixels_with_depth = body.at("amodal_pixels_with_depth"),
+                                       .visible_pixels = body.at("visible_pixels"),
+                                       .visible_fraction = body.at("visible_fraction")}));
   }
   return entries;
 }
 
-// An object with an image a line, as the toolkit writes it.
-std::string by_image(const SetPlan& plan, std::span<const Json> truths,
-                     const std::function<Json(const Json&)>& entry) {
-  std::string text = "{";
+std::vector<SetFile> bop_chunk_files(const SetPlan& plan, int64_t chunk,
+                                     std::span<const Json> truths) {
+  std::vector<bop::ImageEntry> cameras, poses, visibilities;
   for (const Json& truth : truths) {
-    text += fmt::format("{}\n  \"{}\": {}", text.size() > 1 ? "," : "",
-                        plan.number_in_chunk(truth.at("index")), entry(truth).dump());
+    const int64_t im_id = plan.number_in_chunk(truth.at("index"));
+    cameras.push_back({im_id, camera_of(truth, plan.depth_scale)});
+    poses.push_back({im_id, poses_of(truth)});
+    visibilities.push_back({im_id, visibilities_of(truth)});
   }
-  return text + "\n}\n";
+  const auto path = [&](std::string_view file) { return scene_folder(chunk) + std::string(file); };
+  return {{path(bop::kSceneCameraFile), bop::scene_file(cameras)},
+          {path(bop::kSceneTruthFile), bop::scene_file(poses)},
+          {path(bop::kSceneInfoFile), bop::scene_file(visibilities)}};
 }
 
-std::vector<SetFile> chunk_files(const SetPlan& plan, int64_t chunk, std::span<const Json> truths) {
-  const std::string folder = "test/" + six_digits(chunk) + "/";
-  return {
-      {folder + "scene_camera.json",
-       by_image(plan, truths, [&plan](const Json& truth) { return camera_entry(plan, truth); })},
-      {folder + "scene_gt.json", by_image(plan, truths, gt_entry)},
-      {folder + "scene_gt_info.json", by_image(plan, truths, info_entry)}};
-}
-
-std::vector<Json> list_elements(const SetPlan& plan, const Json& truth) {
-  std::map<int, int> instances;
+std::vector<Json> bop_list_elements(const SetPlan& plan, const Json& truth) {
+  std::vector<std::pair<int, double>> instances;
   for (const Json& body : annotated(truth)) {
-    if (body.at("visible_fraction").get<double>() < kLeastVisibleTarget) continue;
-    ++instances[body.at("obj_id").get<int>()];
+    instances.emplace_back(body.at("obj_id").get<int>(), body.at("visible_fraction").get<double>());
   }
   const int64_t index = truth.at("index");
-  std::vector<Json> targets;
-  for (const auto& [object, count] : instances) {
-    targets.push_back({{"im_id", plan.number_in_chunk(index)},
-                       {"inst_count", count},
-                       {"obj_id", object},
-                       {"scene_id", plan.chunk_of(index)}});
-  }
-  return targets;
+  return bop::target_elements(plan.chunk_of(index), plan.number_in_chunk(index), instances);
 }
 
 std::string dataset_info(const SetPlan& plan) {
@@ -180,7 +160,8 @@ std::string dataset_info(const SetPlan& plan) {
   const EncodingText encoding = encoding_text(plan);
   std::string objects;
   for (size_t i = 0; i < plan.objects.size(); ++i) {
-    objects += fmt::format("- obj_{:06}: {}\n", i + 1, plan.objects[i]->name);
+    objects += fmt::format("- obj_{}: {}\n", six_digits(static_cast<int64_t>(i) + 1),
+                           plan.objects[i]->name);
   }
   return fmt::format(
       R"(# {name}
@@ -213,25 +194,14 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
       fmt::arg("k3", camera.distortion.k3));
 }
 
-std::vector<SetFile> set_files(const SetPlan& plan) {
-  const Camera& camera = plan.images().setups.front().scene.camera;
-  const Json camera_json = {
-      {"cx", camera.cx_px},      {"cy", camera.cy_px}, {"depth_scale", plan.depth_scale},
-      {"fx", camera.fx_px},      {"fy", camera.fy_px}, {"height", camera.height_px},
-      {"width", camera.width_px}};
-  std::vector<SetFile> files = {{"camera.json", camera_json.dump(2) + "\n"},
-                                {"dataset_info.md", dataset_info(plan)}};
-  Json infos = Json::object();
-  for (size_t i = 0; i < plan.objects.size(); ++i) {
-    const Mesh& mesh = plan.objects[i]->mesh;
-    infos[fmt::to_string(i + 1)] = model_info(mesh);
-    for (const char* folder : {"models", "models_eval"}) {
-      files.push_back({fmt::format("{}/obj_{:06}.ply", folder, i + 1), ply_bytes(mesh)});
-    }
-  }
-  for (const char* folder : {"models", "models_eval"}) {
-    files.push_back({fmt::format("{}/models_info.json", folder), infos.dump(2) + "\n"});
-  }
+std::vector<SetFile> bop_set_files(const SetPlan& plan) {
+  std::vector<SetFile> files = {
+      {std::string(bop::kCameraFile),
+       bop::camera_file(plan.images().setups.front().scene.camera, plan.depth_scale)},
+      {"dataset_info.md", dataset_info(plan)}};
+  std::vector<const Mesh*> meshes;
+  for (const auto& object : plan.objects) meshes.push_back(&object->mesh);
+  for (SetFile& file : bop::model_files(meshes)) files.push_back(std::move(file));
   return files;
 }
 
@@ -243,13 +213,13 @@ Json box_json(const cv::Mat& mask) {
 }
 
 // Depths outside the sphere about a body's origin cannot be its.
-bool fits(const cv::Mat& depth, const cv::Mat& mask, double depth_scale, const Json& body,
-          double radius_m) {
+bool is_at_its_distance(const cv::Mat& depth, const cv::Mat& mask, double depth_scale,
+                        const Json& body, double radius_m) {
   double least = 0;
   double greatest = 0;
   cv::minMaxLoc(depth, &least, &greatest, nullptr, nullptr, mask);
   const double z_m = body.at("cam_from_target").at("translation_m")[2];
-  const double step_m = depth_scale / 1000;
+  const double step_m = depth_scale / kMillimetresPerMetre;
   return least * step_m >= z_m - radius_m - step_m && greatest * step_m <= z_m + radius_m + step_m;
 }
 
@@ -264,7 +234,7 @@ std::vector<std::string> depth_problems(const SetPlan& plan, const fs::path& fol
   for (int v = 0; v < depth.rows; ++v) {
     for (int u = 0; u < depth.cols; ++u) {
       const double z_m = z0_m + exact.at<float>(v, u);
-      const double steps = std::isnan(z_m) ? 0 : z_m * 1000 / plan.depth_scale;
+      const double steps = std::isnan(z_m) ? 0 : z_m * kMillimetresPerMetre / plan.depth_scale;
       const bool is_beyond = steps >= 65535.5;
       const bool is_there = depth.at<uint16_t>(v, u) != 0;
       const bool is_good =
@@ -276,9 +246,36 @@ std::vector<std::string> depth_problems(const SetPlan& plan, const fs::path& fol
   return {fmt::format("{} pixels of its depth are not what {} says", wrong, exact_path.front())};
 }
 
-std::vector<std::string> image_problems(const SetPlan& plan, const fs::path& folder,
-                                        const Json& truth) {
-  const std::vector<std::string> paths = image_paths(plan, truth);
+// What is wrong with an instance's masks, and with the depth beneath them.
+std::vector<std::string> mask_problems(const SetPlan& plan, const Json& body,
+                                       const std::string& whole_path, const cv::Mat& whole,
+                                       const std::string& seen_path, const cv::Mat& seen,
+                                       const std::string& depth_path, const cv::Mat& depth) {
+  std::vector<std::string> problems;
+  const auto expect = [&](bool is_good, const std::string& problem) {
+    if (!is_good) problems.push_back(problem);
+  };
+  expect(cv::countNonZero(whole) == body.at("amodal_pixels_in_image"),
+         whole_path + " has another number of pixels than its truth");
+  expect(cv::countNonZero(seen) == body.at("visible_pixels"),
+         seen_path + " has another number of pixels than its truth");
+  expect(box_json(seen) == body.at("visible_box"), seen_path + " fills another box");
+  expect(cv::countNonZero(seen & ~whole) == 0, seen_path + " reaches beyond " + whole_path);
+  const size_t object = body.at("obj_id").get<size_t>();
+  if (object < 1 || object > plan.objects.size()) {
+    problems.push_back("names an obj_id that the set has not");
+    return problems;
+  }
+  expect(cv::countNonZero(seen) == 0 ||
+             is_at_its_distance(depth, seen & (depth > 0), plan.depth_scale, body,
+                                radius_m(plan.objects[object - 1]->mesh)),
+         depth_path + " is not at the distance of its pose");
+  return problems;
+}
+
+std::vector<std::string> bop_image_problems(const SetPlan& plan, const fs::path& folder,
+                                            const Json& truth) {
+  const std::vector<std::string> paths = bop_image_paths(plan, truth);
   const Json& camera = truth.at("camera");
   const cv::Size size(camera.at("width_px"), camera.at("height_px"));
   std::vector<cv::Mat> pictures;
@@ -292,30 +289,13 @@ std::vector<std::string> image_problems(const SetPlan& plan, const fs::path& fol
   }
   if (!problems.empty()) return problems;
   const std::vector<Json> bodies = annotated(truth);
-  for (size_t gt = 0; gt < bodies.size(); ++gt) {
-    const Json& body = bodies[gt];
-    const std::string& whole_path = paths[2 + 2 * gt];
-    const std::string& seen_path = paths[3 + 2 * gt];
-    const cv::Mat& whole = pictures[2 + 2 * gt];
-    const cv::Mat& seen = pictures[3 + 2 * gt];
-    const auto expect = [&](bool is_good, const std::string& problem) {
-      if (!is_good) problems.push_back(problem);
-    };
-    expect(cv::countNonZero(whole) == body.at("amodal_pixels_in_image"),
-           whole_path + " has another number of pixels than its truth");
-    expect(cv::countNonZero(seen) == body.at("visible_pixels"),
-           seen_path + " has another number of pixels than its truth");
-    expect(box_json(seen) == body.at("visible_box"), seen_path + " fills another box");
-    expect(cv::countNonZero(seen & ~whole) == 0, seen_path + " reaches beyond " + whole_path);
-    const size_t object = body.at("obj_id").get<size_t>();
-    if (object < 1 || object > plan.objects.size()) {
-      problems.push_back("names an obj_id that the set has not");
-      continue;
+  for (size_t gt_id = 0; gt_id < bodies.size(); ++gt_id) {
+    const size_t whole = 2 + 2 * gt_id;
+    const size_t seen = whole + 1;
+    for (std::string& problem : mask_problems(plan, bodies[gt_id], paths[whole], pictures[whole],
+                                              paths[seen], pictures[seen], paths[1], pictures[1])) {
+      problems.push_back(std::move(problem));
     }
-    expect(
-        cv::countNonZero(seen) == 0 || fits(pictures[1], seen & (pictures[1] > 0), plan.depth_scale,
-                                            body, radius_m(plan.objects[object - 1]->mesh)),
-        paths[1] + " is not at the distance of its pose");
   }
   for (std::string& problem : depth_problems(plan, folder, truth, pictures[1])) {
     problems.push_back(std::move(problem));
@@ -328,13 +308,14 @@ std::vector<std::string> image_problems(const SetPlan& plan, const fs::path& fol
 SetFormat bop_format() {
   return {.name = "bop",
           .summary = "Benchmark for 6D Object Pose Estimation, scenewise",
-          .image_files = image_files,
-          .image_paths = image_paths,
-          .image_problems = image_problems,
-          .chunk_files = chunk_files,
-          .list_path = "test_targets_bop19.json",
-          .list_elements = list_elements,
-          .set_files = set_files};
+          .lens_note = "BOP has no lens distortion; it stands in dataset_info.md and sightline/",
+          .image_files = bop_image_files,
+          .image_paths = bop_image_paths,
+          .image_problems = bop_image_problems,
+          .chunk_files = bop_chunk_files,
+          .list_path = bop::kTargetsFile,
+          .list_elements = bop_list_elements,
+          .set_files = bop_set_files};
 }
 
 }  // namespace sightline

@@ -1,38 +1,36 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// The format of SPEED+ (Park et al., IEEE Aerospace Conference 2022): one target, x_cam = R(q) x +
-// r with q_vbs2tango_true scalar first and r_Vo2To_vbs_true in metres. Its cameras have their
-// principal point at half the image's size, so pixel (0, 0) begins at the image's corner: half a
-// pixel is added to ours.
+// Image sets in SPEED+'s format (datasets/speed/layout.h).
 #include <fmt/format.h>
+#include <opencv2/core.hpp>
 
+#include "eval/datasets/model_file.h"
 #include "eval/datasets/pictures.h"
-#include "eval/image_sets/formats/formats.h"
-#include "eval/image_sets/models.h"
+#include "eval/datasets/speed/layout.h"
+#include "eval/datasets/speed/write.h"
+#include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
 
 namespace sightline {
 namespace {
 
-constexpr double kHalfPixel = 0.5;
-constexpr double kPixelPitch_m = 1e-5;  // the format wants one; ours has no size in metres
-
-std::string file_name(int64_t index) {
-  return "img" + six_digits(index) + ".png";
+std::string picture_path(int64_t index) {
+  return fmt::format("{}/{}", speed::kImagesFolder, speed::picture_name(index));
 }
 
-std::vector<std::string> image_paths(const SetPlan&, const Json& truth) {
-  return {"images/" + file_name(truth.at("index"))};
+std::vector<std::string> speed_image_paths(const SetPlan&, const Json& truth) {
+  return {picture_path(truth.at("index"))};
 }
 
-std::vector<SetFile> image_files(const SetPlan&, const SetImage& image) {
-  return {{"images/" + file_name(image.index), png_bytes(image.frame.image)}};
+std::vector<SetFile> speed_image_files(const SetPlan&, const SetImage& image) {
+  return {{picture_path(image.index), png_bytes(image.frame.image)}};
 }
 
-std::vector<std::string> image_problems(const SetPlan& plan, const std::filesystem::path& folder,
-                                        const Json& truth) {
-  const std::string path = image_paths(plan, truth).front();
+std::vector<std::string> speed_image_problems(const SetPlan& plan,
+                                              const std::filesystem::path& folder,
+                                              const Json& truth) {
+  const std::string path = speed_image_paths(plan, truth).front();
   const cv::Mat picture = read_picture(folder / path);
   const Json& camera = truth.at("camera");
   const int type = truth.at("scene").at("sensor").at("bits") > 8 ? CV_16U : CV_8U;
@@ -43,17 +41,16 @@ std::vector<std::string> image_problems(const SetPlan& plan, const std::filesyst
   return {path + " is torn, or not of the camera's size"};
 }
 
-std::vector<SetFile> chunk_files(const SetPlan&, int64_t, std::span<const Json>) {
+std::vector<SetFile> speed_chunk_files(const SetPlan&, int64_t, std::span<const Json>) {
   return {};
 }
 
-std::vector<Json> list_elements(const SetPlan&, const Json& truth) {
+std::vector<Json> speed_list_elements(const SetPlan&, const Json& truth) {
   const Json& pose = truth.at("bodies").at(0).at("cam_from_target");
-  std::vector<Json> elements;
-  elements.push_back({{"filename", file_name(truth.at("index"))},
-                      {"q_vbs2tango_true", pose.at("q_wxyz")},
-                      {"r_Vo2To_vbs_true", pose.at("translation_m")}});
-  return elements;
+  const std::vector<double> q = numbers_in(pose, "q_wxyz", 4);
+  const std::vector<double> t = numbers_in(pose, "translation_m", 3);
+  return {speed::list_element(speed::picture_name(truth.at("index")), Eigen::Vector4d(q.data()),
+                              Eigen::Vector3d(t.data()))};
 }
 
 std::string conventions(const SetPlan& plan) {
@@ -73,42 +70,30 @@ std::string conventions(const SetPlan& plan) {
 )",
       plan.study.name, plan.count, SIGHTLINE_VERSION, plan.study.seed, encoding.grey,
       (1 << plan.images().setups.front().scene.sensor.bits) - 1, encoding.sentence,
-      1e6 * kPixelPitch_m);
+      1e6 * speed::kPixelPitchM);
 }
 
-std::vector<SetFile> set_files(const SetPlan& plan) {
-  const Camera& camera = plan.images().setups.front().scene.camera;
-  const BrownConrady& lens = camera.distortion;
-  const double cx = camera.cx_px + kHalfPixel;
-  const double cy = camera.cy_px + kHalfPixel;
-  const Json json = {
-      {"Nu", camera.width_px},
-      {"Nv", camera.height_px},
-      {"ppx", kPixelPitch_m},
-      {"ppy", kPixelPitch_m},
-      {"fx", camera.fx_px * kPixelPitch_m},
-      {"fy", camera.fy_px * kPixelPitch_m},
-      {"ccx", cx},
-      {"ccy", cy},
-      {"cameraMatrix", {{camera.fx_px, 0.0, cx}, {0.0, camera.fy_px, cy}, {0.0, 0.0, 1.0}}},
-      {"distCoeffs", {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}}};
-  return {{"camera.json", json.dump(2) + "\n"},
+std::vector<SetFile> speed_set_files(const SetPlan& plan) {
+  return {{std::string(speed::kCameraFile),
+           speed::camera_file(plan.images().setups.front().scene.camera)},
           {"conventions.md", conventions(plan)},
-          {"model/target.ply", ply_bytes(plan.images().target->mesh)}};
+          {std::string(speed::kModelFile), ply_bytes(plan.images().target->mesh)}};
 }
 
 }  // namespace
 
 SetFormat speed_format() {
+  static const std::string kList = fmt::format("{}.json", speed::kLists.front());
   return {.name = "speed",
           .summary = "SPEED+, of one target",
-          .image_files = image_files,
-          .image_paths = image_paths,
-          .image_problems = image_problems,
-          .chunk_files = chunk_files,
-          .list_path = "train.json",
-          .list_elements = list_elements,
-          .set_files = set_files};
+          .lens_note = "",
+          .image_files = speed_image_files,
+          .image_paths = speed_image_paths,
+          .image_problems = speed_image_problems,
+          .chunk_files = speed_chunk_files,
+          .list_path = kList,
+          .list_elements = speed_list_elements,
+          .set_files = speed_set_files};
 }
 
 }  // namespace sightline

@@ -8,10 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "eval/datasets/bop/dataset.h"
+#include "eval/datasets/bop/read.h"
 #include "eval/datasets/bop/results_csv.h"
 #include "eval/datasets/model_file.h"
-#include "eval/image_sets/models.h"
 #include "scenes/files/input_error.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"

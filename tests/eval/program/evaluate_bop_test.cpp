@@ -19,7 +19,6 @@
 
 #include "eval/datasets/pictures.h"
 #include "eval/datasets/sightings.h"
-#include "eval/image_sets/models.h"
 #include "eval/study/study_file.h"
 #include "eval/trial/image_trial.h"
 #include "tests/eval/program.h"

@@ -1,16 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// BOP's scenewise format: millimetres, x_cam = R x_model + t, pixel centres at integers as ours
-// (Hodan et al., ECCV 2018; docs/bop_datasets_format.md of its toolkit).
+// Sightings in BOP's scenewise format (bop/layout.h).
 #include <algorithm>
 #include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "eval/datasets/bop/dataset.h"
-#include "eval/datasets/pictures.h"
+#include "eval/datasets/bop/layout.h"
+#include "eval/datasets/bop/read.h"
+#include "eval/datasets/conventions.h"
 #include "eval/datasets/set_readers.h"
 #include "scenes/files/input_error.h"
 
@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-int object_of(const SightingSource& source, const std::vector<BopImage>& images) {
+int target_object(const SightingSource& source, const std::vector<BopImage>& images) {
   std::set<int> objects;
   for (const BopImage& image : images) {
     for (const auto& [obj_id, count] : image.targets) objects.insert(obj_id);
@@ -33,27 +33,11 @@ int object_of(const SightingSource& source, const std::vector<BopImage>& images)
                        : fmt::format("{}; say --object which of them is the target", has));
 }
 
-// The instances of an object that are asked for: the most visible, in their order.
-std::vector<int> asked_instances(const BopImage& image, int obj_id) {
-  const auto asked = image.targets.find(obj_id);
-  if (asked == image.targets.end()) return {};
-  std::vector<int> instances;
-  for (size_t i = 0; i < image.instances.size(); ++i) {
-    if (image.instances[i].obj_id == obj_id) instances.push_back(static_cast<int>(i));
-  }
-  std::stable_sort(instances.begin(), instances.end(), [&image](int a, int b) {
-    return image.instances[a].visible_fraction > image.instances[b].visible_fraction;
-  });
-  instances.resize(asked->second);
-  std::sort(instances.begin(), instances.end());
-  return instances;
-}
-
 fs::path picture_of(const BopImage& image) {
   fs::path file = bop_picture(image);
   if (!file.empty()) return file;
   throw InputError(fmt::format("{}: has no picture {} in rgb/ or gray/", image.folder.string(),
-                               six_digits(image.im_id)));
+                               bop::image_name(image.im_id)));
 }
 
 Camera camera_of(const BopImage& image, const BrownConrady& distortion) {
@@ -63,7 +47,7 @@ Camera camera_of(const BopImage& image, const BrownConrady& distortion) {
     return camera;
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: image {}: cam_K {}",
-                                 (image.folder / "scene_camera.json").string(), image.im_id,
+                                 (image.folder / bop::kSceneCameraFile).string(), image.im_id,
                                  error.what()));
   }
 }
@@ -74,23 +58,23 @@ Pose pose_of(const BopImage& image, int gt_id) {
     return {nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: image {}: cam_R_m2c {}",
-                                 (image.folder / "scene_gt.json").string(), image.im_id,
+                                 (image.folder / bop::kSceneTruthFile).string(), image.im_id,
                                  error.what()));
   }
 }
 
-}  // namespace
-
 SetReading read_bop_sightings(const SightingSource& source) {
   const std::vector<BopImage> images = read_bop_images(source.folder, source.split);
   SetReading reading;
-  reading.obj_id = object_of(source, images);
+  reading.obj_id = target_object(source, images);
   for (const BopImage& image : images) {
-    for (const int gt_id : asked_instances(image, reading.obj_id)) {
+    std::vector<int> instances = asked_instances(image, reading.obj_id);
+    std::sort(instances.begin(), instances.end());
+    for (const int gt_id : instances) {
       Sighting& sighting = reading.sightings.emplace_back();
       sighting.picture = picture_of(image);
-      sighting.visible_mask = bop_picture(image.folder / "mask_visib",
-                                          six_digits(image.im_id) + "_" + six_digits(gt_id));
+      sighting.visible_mask =
+          bop_picture(image.folder / bop::kVisibleMaskFolder, bop::mask_name(image.im_id, gt_id));
       sighting.scene_id = image.scene_id;
       sighting.im_id = image.im_id;
       sighting.gt_id = gt_id;
@@ -104,6 +88,14 @@ SetReading read_bop_sightings(const SightingSource& source) {
                                 kMetresPerMillimetre * model->box_mm.max());
   }
   return reading;
+}
+
+}  // namespace
+
+SetReader bop_reader() {
+  return {.name = "bop",
+          .is_of = [](const SightingSource&) { return true; },
+          .read = read_bop_sightings};
 }
 
 }  // namespace sightline

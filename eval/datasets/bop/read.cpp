@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "eval/datasets/bop/dataset.h"
+#include "eval/datasets/bop/read.h"
 
 #include <algorithm>
 #include <charconv>
@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "eval/datasets/bop/layout.h"
+#include "eval/datasets/conventions.h"
 #include "eval/datasets/model_file.h"
 #include "eval/datasets/pictures.h"
 #include "eval/output/json.h"
@@ -22,10 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLeastVisibleTarget = 0.1;  // BOP 2019
-constexpr double kSymmetryStep = 0.01;       // of the diameter
+constexpr double kSymmetryStep = 0.01;  // of the diameter
 
-using RowWise3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 using RowWise4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
 int whole_number(const std::string& text) {
@@ -77,7 +77,7 @@ std::vector<Pose> symmetries_of(const Json& info) {
 
 std::map<int, BopModel> read_models(const fs::path& folder) {
   std::map<int, BopModel> models;
-  with_json(folder / "models_info.json", [&](const Json& infos) {
+  with_json(folder / bop::kModelsInfoFile, [&](const Json& infos) {
     for (const auto& [key, info] : infos.items()) {
       BopModel& model = models[whole_number(key)];
       model.diameter_mm = info.at("diameter").get<double>();
@@ -86,7 +86,7 @@ std::map<int, BopModel> read_models(const fs::path& folder) {
     }
   });
   for (auto& [id, model] : models) {
-    model.mesh_mm = read_ply_as_it_is(folder / fmt::format("obj_{:06}.ply", id));
+    model.mesh_mm = read_ply_as_it_is(folder / bop::model_file(id));
     model.points_mm.resize(3, static_cast<Eigen::Index>(model.mesh_mm.vertices.size()));
     for (size_t i = 0; i < model.mesh_mm.vertices.size(); ++i) {
       model.points_mm.col(static_cast<Eigen::Index>(i)) = model.mesh_mm.vertices[i];
@@ -96,12 +96,12 @@ std::map<int, BopModel> read_models(const fs::path& folder) {
 }
 
 fs::path split_folder(const fs::path& folder, const std::string& split) {
-  const fs::path named = folder / (split.empty() ? "test" : split);
+  const fs::path named = folder / (split.empty() ? bop::kTestSplit : split);
   if (fs::is_directory(named)) return named;
   std::vector<fs::path> found;
   if (split.empty() && fs::is_directory(folder)) {
     for (const auto& entry : fs::directory_iterator(folder)) {
-      const bool is_test = entry.path().filename().string().starts_with("test");
+      const bool is_test = entry.path().filename().string().starts_with(bop::kTestSplit);
       if (is_test && entry.is_directory()) found.push_back(entry.path());
     }
   }
@@ -129,7 +129,7 @@ Targets read_targets(const fs::path& file) {
 std::set<int> scenes_in(const fs::path& split) {
   std::set<int> scenes;
   for (const auto& entry : fs::directory_iterator(split)) {
-    if (fs::exists(entry.path() / "scene_gt.json")) {
+    if (fs::exists(entry.path() / bop::kSceneTruthFile)) {
       scenes.insert(whole_number(entry.path().filename().string()));
     }
   }
@@ -137,13 +137,13 @@ std::set<int> scenes_in(const fs::path& split) {
 }
 
 int width_of(const BopImage& image) {
-  for (const char* kind : {"rgb", "gray", "depth"}) {
-    const fs::path file = bop_picture(image.folder / kind, six_digits(image.im_id));
+  for (const std::string_view kind : {bop::kColourFolder, bop::kGreyFolder, bop::kDepthFolder}) {
+    const fs::path file = bop_picture(image.folder / kind, bop::image_name(image.im_id));
     const cv::Mat picture = file.empty() ? cv::Mat() : read_picture(file);
     if (!picture.empty()) return picture.cols;
   }
-  throw InputError(fmt::format("{}: has no image {}, nor the set a camera.json, to tell the width",
-                               image.folder.string(), image.im_id));
+  throw InputError(fmt::format("{}: has no image {}, nor the set a {}, to tell the width",
+                               image.folder.string(), image.im_id, bop::kCameraFile));
 }
 
 // One scene's folder and what is to be read of it.
@@ -152,10 +152,10 @@ class SceneReader {
   SceneReader(fs::path folder, int scene_id) : folder_(std::move(folder)), scene_id_(scene_id) {}
 
   std::map<int, BopImage> read() {
-    with_json(folder_ / "scene_gt.json", [this](const Json& json) { add_truth(json); });
-    with_json(folder_ / "scene_camera.json", [this](const Json& json) { add_cameras(json); });
-    if (fs::exists(folder_ / "scene_gt_info.json")) {
-      with_json(folder_ / "scene_gt_info.json", [this](const Json& json) { add_info(json); });
+    with_json(folder_ / bop::kSceneTruthFile, [this](const Json& json) { add_truth(json); });
+    with_json(folder_ / bop::kSceneCameraFile, [this](const Json& json) { add_cameras(json); });
+    if (fs::exists(folder_ / bop::kSceneInfoFile)) {
+      with_json(folder_ / bop::kSceneInfoFile, [this](const Json& json) { add_info(json); });
     }
     return std::move(images_);
   }
@@ -169,8 +169,7 @@ class SceneReader {
       image.im_id = whole_number(key);
       for (const Json& entry : entries) {
         BopInstance instance{.obj_id = entry.at("obj_id").get<int>(), .cam_from_model = {}};
-        instance.cam_from_model.rotation =
-            Eigen::Map<const RowWise3>(numbers_in(entry, "cam_R_m2c", 9).data());
+        instance.cam_from_model.rotation = matrix_from_rows(numbers_in(entry, "cam_R_m2c", 9));
         instance.cam_from_model.translation =
             Eigen::Map<const Eigen::Vector3d>(numbers_in(entry, "cam_t_m2c", 3).data());
         image.instances.push_back(instance);
@@ -181,9 +180,9 @@ class SceneReader {
   void add_cameras(const Json& json) {
     for (auto& [im_id, image] : images_) {
       const Json& camera = json.at(fmt::to_string(im_id));
-      image.k = Eigen::Map<const RowWise3>(numbers_in(camera, "cam_K", 9).data());
+      image.k = matrix_from_rows(numbers_in(camera, "cam_K", 9));
       image.depth_scale = camera.value("depth_scale", 1.0);
-      image.depth_file = bop_picture(folder_ / "depth", six_digits(im_id));
+      image.depth_file = bop_picture(folder_ / bop::kDepthFolder, bop::image_name(im_id));
     }
   }
 
@@ -204,7 +203,7 @@ class SceneReader {
 std::map<int, int> visible_objects(const BopImage& image) {
   std::map<int, int> counts;
   for (const BopInstance& instance : image.instances) {
-    if (instance.visible_fraction >= kLeastVisibleTarget) ++counts[instance.obj_id];
+    if (instance.visible_fraction >= bop::kLeastVisibleFraction) ++counts[instance.obj_id];
   }
   return counts;
 }
@@ -214,23 +213,23 @@ void require_instances(const BopImage& image) {
     const auto there = std::count_if(image.instances.begin(), image.instances.end(),
                                      [id = obj_id](const auto& i) { return i.obj_id == id; });
     if (there >= count) continue;
-    throw InputError(fmt::format(
-        "test_targets_bop19.json: asks for {} of object {} in scene {} image {}, which has {}",
-        count, obj_id, image.scene_id, image.im_id, there));
+    throw InputError(fmt::format("{}: asks for {} of object {} in scene {} image {}, which has {}",
+                                 bop::kTargetsFile, count, obj_id, image.scene_id, image.im_id,
+                                 there));
   }
 }
 
 void require_models(const BopImage& image, const std::map<int, BopModel>& models) {
   for (const auto& [obj_id, count] : image.targets) {
     if (models.contains(obj_id)) continue;
-    throw InputError(fmt::format("models_info.json: has no object {}, which scene {} image {} has",
-                                 obj_id, image.scene_id, image.im_id));
+    throw InputError(fmt::format("{}: has no object {}, which scene {} image {} has",
+                                 bop::kModelsInfoFile, obj_id, image.scene_id, image.im_id));
   }
 }
 
 fs::path models_folder(const fs::path& folder) {
-  const fs::path evaluated = folder / "models_eval";
-  return fs::exists(evaluated) ? evaluated : folder / "models";
+  const fs::path evaluated = folder / bop::kEvaluatedModelsFolder;
+  return fs::exists(evaluated) ? evaluated : folder / bop::kModelsFolder;
 }
 
 }  // namespace
@@ -244,9 +243,23 @@ fs::path bop_picture(const fs::path& folder, const std::string& name) {
 }
 
 fs::path bop_picture(const BopImage& image) {
-  const std::string name = six_digits(image.im_id);
-  const fs::path colour = bop_picture(image.folder / "rgb", name);
-  return colour.empty() ? bop_picture(image.folder / "gray", name) : colour;
+  const std::string name = bop::image_name(image.im_id);
+  const fs::path colour = bop_picture(image.folder / bop::kColourFolder, name);
+  return colour.empty() ? bop_picture(image.folder / bop::kGreyFolder, name) : colour;
+}
+
+std::vector<int> asked_instances(const BopImage& image, int obj_id) {
+  const auto asked = image.targets.find(obj_id);
+  if (asked == image.targets.end()) return {};
+  std::vector<int> instances;
+  for (size_t i = 0; i < image.instances.size(); ++i) {
+    if (image.instances[i].obj_id == obj_id) instances.push_back(static_cast<int>(i));
+  }
+  std::stable_sort(instances.begin(), instances.end(), [&image](int a, int b) {
+    return image.instances[a].visible_fraction > image.instances[b].visible_fraction;
+  });
+  instances.resize(std::min(instances.size(), static_cast<size_t>(asked->second)));
+  return instances;
 }
 
 std::vector<Pose> bop_symmetries(const std::string& info) {
@@ -255,7 +268,7 @@ std::vector<Pose> bop_symmetries(const std::string& info) {
 
 std::optional<BopBox> bop_model_box(const fs::path& folder, int obj_id) {
   const fs::path models = models_folder(folder);
-  const fs::path infos_file = models / "models_info.json";
+  const fs::path infos_file = models / bop::kModelsInfoFile;
   std::optional<BopBox> box;
   if (fs::exists(infos_file)) {
     with_json(infos_file, [&](const Json& infos) {
@@ -268,7 +281,7 @@ std::optional<BopBox> bop_model_box(const fs::path& folder, int obj_id) {
       box = BopBox{{min, min + vector("size")}, infos_file};
     });
   }
-  const fs::path model_file = models / fmt::format("obj_{:06}.ply", obj_id);
+  const fs::path model_file = models / bop::model_file(obj_id);
   if (box || !fs::exists(model_file)) return box;
   box = BopBox{{}, model_file};
   for (const Eigen::Vector3d& vertex : read_ply_as_it_is(model_file).vertices) {
@@ -280,8 +293,8 @@ std::optional<BopBox> bop_model_box(const fs::path& folder, int obj_id) {
 std::vector<BopImage> read_bop_images(const fs::path& folder, const std::string& split) {
   if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: is no folder", folder.string()));
   const fs::path scenes_folder = split_folder(folder, split);
-  const fs::path list = folder / "test_targets_bop19.json";
-  const bool is_test = scenes_folder.filename().string().starts_with("test");
+  const fs::path list = folder / bop::kTargetsFile;
+  const bool is_test = scenes_folder.filename().string().starts_with(bop::kTestSplit);
   const bool has_list = is_test && fs::exists(list);  // it is of no other split
   const Targets targets = has_list ? read_targets(list) : Targets{};
   std::set<int> scenes;
@@ -290,7 +303,7 @@ std::vector<BopImage> read_bop_images(const fs::path& folder, const std::string&
   std::vector<BopImage> images;
   for (const int scene_id : scenes) {
     for (auto& [im_id, image] :
-         SceneReader(scenes_folder / six_digits(scene_id), scene_id).read()) {
+         SceneReader(scenes_folder / bop::scene_name(scene_id), scene_id).read()) {
       const auto wanted = targets.find({scene_id, im_id});
       if (has_list && wanted == targets.end()) continue;
       image.targets = has_list ? wanted->second : visible_objects(image);
@@ -302,7 +315,8 @@ std::vector<BopImage> read_bop_images(const fs::path& folder, const std::string&
     return targets.contains({i.scene_id, i.im_id});
   });
   if (asked < targets.size()) {
-    throw InputError(fmt::format("{}: asks for images that scene_gt.json has not", list.string()));
+    throw InputError(
+        fmt::format("{}: asks for images that {} has not", list.string(), bop::kSceneTruthFile));
   }
   if (images.empty()) {
     throw InputError(fmt::format("{}: has no image with a target", scenes_folder.string()));
@@ -315,8 +329,8 @@ BopDataset read_bop_dataset(const fs::path& folder, const std::string& split) {
   BopDataset dataset{.models = read_models(models_folder(folder)),
                      .images = read_bop_images(folder, split)};
   int width_px = 0;
-  if (fs::exists(folder / "camera.json")) {
-    with_json(folder / "camera.json",
+  if (fs::exists(folder / bop::kCameraFile)) {
+    with_json(folder / bop::kCameraFile,
               [&](const Json& camera) { width_px = camera.value("width", 0); });
   }
   for (BopImage& image : dataset.images) {

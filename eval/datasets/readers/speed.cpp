@@ -1,18 +1,18 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// SPEED+ (Park et al., IEEE Aerospace Conference 2022), and SPEED before it (Kisantal et al., IEEE
-// TAES 56(5), 2020): a list of images with x_cam = R(q) x + r, q_vbs2tango scalar first and
-// r_Vo2To_vbs in metres, and one camera whose image begins at (0, 0): half a pixel is taken off
-// its principal point, as pixel centres are at integers here.
-#include <algorithm>
+// Sightings in the format of SPEED+ and SPEED (speed/layout.h).
 #include <array>
 #include <cmath>
+#include <span>
+#include <string_view>
 
 #include <fmt/format.h>
 
+#include "eval/datasets/conventions.h"
 #include "eval/datasets/model_file.h"
 #include "eval/datasets/set_readers.h"
+#include "eval/datasets/speed/layout.h"
 #include "eval/output/json.h"
 #include "scenes/files/input_error.h"
 
@@ -21,29 +21,32 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kHalfPixel = 0.5;
 constexpr double kQuaternionTolerance = 1e-2;  // what few printed digits leave of its length
 
-std::vector<fs::path> lists_in(const fs::path& folder, const std::vector<std::string>& names) {
+std::vector<fs::path> lists_in(const fs::path& folder, std::span<const std::string_view> names) {
   std::vector<fs::path> lists;
-  for (const std::string& name : names) {
-    fs::path list = folder / (name + ".json");
+  for (const std::string_view name : names) {
+    fs::path list = folder / fmt::format("{}.json", name);
     if (fs::is_regular_file(list)) lists.push_back(std::move(list));
   }
   return lists;
 }
 
-const std::vector<std::string> kUsualLists{"train", "validation", "test"};
+// The list that the source names, if it names one and it is there.
+std::vector<fs::path> named_lists(const SightingSource& source) {
+  if (source.split.empty()) return {};
+  return lists_in(source.folder, std::array{std::string_view(source.split)});
+}
 
 // The list that is meant.
 fs::path list_of(const SightingSource& source) {
   const std::string folder = source.folder.string();
   if (!source.split.empty()) {
-    const auto lists = lists_in(source.folder, {source.split});
+    const auto lists = named_lists(source);
     if (!lists.empty()) return lists.front();
     throw InputError(fmt::format("{}: has no {}.json", folder, source.split));
   }
-  const auto lists = lists_in(source.folder, kUsualLists);
+  const auto lists = lists_in(source.folder, speed::kLists);
   if (lists.size() == 1) return lists.front();
   throw InputError(fmt::format("{}: has {} and {}; say --split which one is meant", folder,
                                lists[0].filename().string(), lists[1].filename().string()));
@@ -53,9 +56,9 @@ fs::path list_of(const SightingSource& source) {
 fs::path camera_file(const fs::path& list) {
   const fs::path folder = fs::absolute(list).parent_path();
   for (const fs::path& place : {folder, folder.parent_path()}) {
-    if (fs::exists(place / "camera.json")) return place / "camera.json";
+    if (fs::exists(place / speed::kCameraFile)) return place / speed::kCameraFile;
   }
-  throw InputError(fmt::format("{}: is missing", (folder / "camera.json").string()));
+  throw InputError(fmt::format("{}: is missing", (folder / speed::kCameraFile).string()));
 }
 
 Eigen::Matrix3d matrix_in(const Json& camera) {
@@ -76,8 +79,8 @@ Camera read_camera(const fs::path& file) {
   Camera camera;
   with_json(file, [&camera](const Json& json) {
     camera = camera_from_matrix(matrix_in(json));
-    camera.cx_px -= kHalfPixel;
-    camera.cy_px -= kHalfPixel;
+    camera.cx_px -= speed::kHalfPixel;
+    camera.cy_px -= speed::kHalfPixel;
     if (!json.contains("distCoeffs")) return;
     const std::vector<double> d = numbers_in(json, "distCoeffs", 5);
     camera.distortion = {.k1 = d[0], .k2 = d[1], .p1 = d[2], .p2 = d[3], .k3 = d[4]};
@@ -87,17 +90,18 @@ Camera read_camera(const fs::path& file) {
 
 // In images/ beside the list; in SPEED in a folder of the list's name there.
 fs::path picture_file(const fs::path& list, const std::string& name) {
-  const fs::path images = list.parent_path() / "images";
+  const fs::path images = list.parent_path() / speed::kImagesFolder;
   for (const fs::path& folder : {images, images / list.stem()}) {
     if (fs::is_regular_file(folder / name)) return folder / name;
   }
   throw InputError(fmt::format("names {}, which is not in {}", name, images.string()));
 }
 
-Pose pose_in(const Json& entry) {
-  const std::string key = entry.contains("q_vbs2tango_true") ? "q_vbs2tango_true" : "q_vbs2tango";
+Pose stated_pose(const Json& entry) {
+  const std::string key =
+      entry.contains(speed::kAttitude) ? speed::kAttitude : speed::kAttitudeOfSpeed;
   const std::vector<double> q = numbers_in(entry, key, 4);
-  const std::vector<double> r = numbers_in(entry, "r_Vo2To_vbs_true", 3);
+  const std::vector<double> r = numbers_in(entry, speed::kPosition, 3);
   const Eigen::Quaterniond quaternion(q[0], q[1], q[2], q[3]);
   if (std::abs(quaternion.norm() - 1) > kQuaternionTolerance) {
     throw InputError(
@@ -108,7 +112,7 @@ Pose pose_in(const Json& entry) {
 
 // Sightline's own sets have the model beside them, in the target's frame.
 void add_model(const fs::path& folder, SetReading& reading) {
-  reading.model_file = folder / "model" / "target.ply";
+  reading.model_file = folder / speed::kModelFile;
   if (!fs::exists(reading.model_file)) return;
   reading.model_box_m.emplace();
   for (const Eigen::Vector3d& vertex : read_ply_as_it_is(reading.model_file).vertices) {
@@ -116,11 +120,9 @@ void add_model(const fs::path& folder, SetReading& reading) {
   }
 }
 
-}  // namespace
-
+// Whether the folder has a list as SPEED+ has them.
 bool is_speed_set(const SightingSource& source) {
-  return !lists_in(source.folder, kUsualLists).empty() ||
-         (!source.split.empty() && !lists_in(source.folder, {source.split}).empty());
+  return !lists_in(source.folder, speed::kLists).empty() || !named_lists(source).empty();
 }
 
 SetReading read_speed_sightings(const SightingSource& source) {
@@ -137,15 +139,21 @@ SetReading read_speed_sightings(const SightingSource& source) {
   with_json(list, [&](const Json& entries) {
     for (const Json& entry : entries) {
       Sighting& sighting = reading.sightings.emplace_back();
-      sighting.picture = picture_file(list, entry.at("filename").get<std::string>());
+      sighting.picture = picture_file(list, entry.at(speed::kPicture).get<std::string>());
       sighting.im_id = static_cast<int>(reading.sightings.size()) - 1;
       sighting.camera = camera;
-      sighting.cam_from_target = pose_in(entry);
+      sighting.cam_from_target = stated_pose(entry);
     }
     if (reading.sightings.empty()) throw InputError("lists no image");
   });
   add_model(list.parent_path(), reading);
   return reading;
+}
+
+}  // namespace
+
+SetReader speed_reader() {
+  return {.name = "speed", .is_of = is_speed_set, .read = read_speed_sightings};
 }
 
 }  // namespace sightline

@@ -69,6 +69,10 @@ std::filesystem::path bop_picture(const std::filesystem::path& folder, const std
 /// The image's picture, of rgb/ or else of gray/; empty where there is none.
 std::filesystem::path bop_picture(const BopImage& image);
 
+/// The instances of an object that the image asks for, as indices: the most visible first, those
+/// that tie in their order.
+std::vector<int> asked_instances(const BopImage& image, int obj_id);
+
 /// The box that an object fills in its own frame, and which file says so.
 struct BopBox {
   Eigen::AlignedBox3d box_mm;

@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/datasets/conventions.h"
+
+#include <algorithm>
+
+#include <Eigen/LU>
+#include <Eigen/SVD>
+
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kRotationTolerance = 1e-2;
+constexpr double kSkewTolerance = 1e-6;  // of the focal length
+
+using RowWise3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+}  // namespace
+
+Eigen::Matrix3d matrix_from_rows(std::span<const double> nine) {
+  return Eigen::Map<const RowWise3>(nine.data());
+}
+
+std::array<double, 9> rows_of(const Eigen::Matrix3d& matrix) {
+  std::array<double, 9> nine{};
+  Eigen::Map<RowWise3>(nine.data()) = matrix;
+  return nine;
+}
+
+bool is_near_rotation(const Eigen::Matrix3d& matrix) {
+  const double off =
+      (matrix.transpose() * matrix - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  return off <= kRotationTolerance && !(matrix.determinant() < 0);
+}
+
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
+  if (!is_near_rotation(matrix)) throw InputError("is no rotation");
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return svd.matrixU() * svd.matrixV().transpose();
+}
+
+Camera camera_from_matrix(const Eigen::Matrix3d& k) {
+  const bool has_focus = k(0, 0) > 0 && k(1, 1) > 0 && k.allFinite();
+  Eigen::Matrix3d rest = k - Eigen::Matrix3d::Identity();
+  rest(0, 0) = rest(1, 1) = rest(0, 2) = rest(1, 2) = 0;
+  if (!has_focus || rest.cwiseAbs().maxCoeff() > kSkewTolerance * std::max(1.0, k(0, 0))) {
+    throw InputError("must be fx 0 cx, 0 fy cy, 0 0 1 with focal lengths above 0");
+  }
+  Camera camera;
+  camera.fx_px = k(0, 0);
+  camera.fy_px = k(1, 1);
+  camera.cx_px = k(0, 2);
+  camera.cy_px = k(1, 2);
+  return camera;
+}
+
+}  // namespace sightline

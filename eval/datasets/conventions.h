@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Between the numbers in other people's files and ours: units, matrices, rotations that were
+// printed with few digits.
+#pragma once
+
+#include <array>
+#include <span>
+
+#include <Eigen/Core>
+
+#include "pose/camera.h"
+
+namespace sightline {
+
+/// BOP's files and every model file that we write are in millimetres.
+inline constexpr double kMetresPerMillimetre = 1e-3;
+inline constexpr double kMillimetresPerMetre = 1000;
+
+/// The matrix of nine numbers that stand row by row.
+Eigen::Matrix3d matrix_from_rows(std::span<const double> nine);
+
+/// The nine numbers of a matrix, row by row.
+std::array<double, 9> rows_of(const Eigen::Matrix3d& matrix);
+
+/// Whether a matrix is a rotation, but for what few printed digits leave (1e-2 of a number of its
+/// transpose times itself).
+bool is_near_rotation(const Eigen::Matrix3d& matrix);
+
+/// The rotation nearest to a matrix that was printed with few digits. Throws InputError for one
+/// that is not near a rotation.
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
+
+/// A camera without size from its matrix (fx 0 cx, 0 fy cy, 0 0 1), pixel centres at integers.
+/// Throws InputError for what is no such matrix, and for skew, which ours has not.
+Camera camera_from_matrix(const Eigen::Matrix3d& k);
+
+}  // namespace sightline
