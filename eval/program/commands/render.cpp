@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "eval/program/render_command.h"
-
 #include <iostream>
 #include <memory>
 #include <string>
@@ -13,6 +11,7 @@
 #include "eval/image_sets/render_set.h"
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/verify.h"
+#include "eval/program/commands/commands.h"
 #include "eval/work/interrupt.h"
 #include "eval/work/progress.h"
 #include "eval/work/shard.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "eval/program/score_command.h"
+#include "eval/score/score.h"
 
 #include <filesystem>
 #include <iostream>
@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "eval/output/output_folder.h"
+#include "eval/program/commands/commands.h"
 #include "eval/report/gnuplot.h"
-#include "eval/score/score.h"
 #include "eval/score/score_report.h"
 #include "eval/score/scores_files.h"
 #include "eval/work/interrupt.h"

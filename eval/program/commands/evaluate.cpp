@@ -1,7 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "eval/program/evaluate_command.h"
-
 #include <array>
 #include <filesystem>
 #include <memory>
@@ -14,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "eval/output/json.h"
+#include "eval/program/commands/commands.h"
 #include "eval/program/run_command.h"
 #include "eval/study/study_file.h"
 #include "eval/work/interrupt.h"

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The commands of the program, one file each. To add one: write eval/program/commands/<name>.cpp
+// with a function as these, declare it here, and call it in eval/program/commands.cpp.
+#pragma once
+
+#include <string>
+
+namespace CLI {
+class App;
+}
+
+namespace sightline {
+
+// Each adds its subcommand to the program. Parsing runs the one that was named, which throws
+// InputError. `command` is the line as typed, for manifests; `exit_code` is set where a command
+// ends with another than 0.
+
+/// `study`: 4 when trials could not be run.
+void add_study(CLI::App& app, const std::string& command, int& exit_code);
+
+/// `render`: 1 when --verify finds something, 4 when scenes could not be imaged.
+void add_render(CLI::App& app, int& exit_code);
+
+/// `evaluate`, extractors and solvers over an existing image set as a run like a study's: 4 when
+/// trials could not be run.
+void add_evaluate(CLI::App& app, const std::string& command, int& exit_code);
+
+void add_score(CLI::App& app);
+
+/// `merge`: 4 when trials could not be run.
+void add_merge(CLI::App& app, const std::string& command, int& exit_code);
+
+void add_report(CLI::App& app);
+
+/// `compare`: 3 when it finds a regression.
+void add_compare(CLI::App& app, int& exit_code);
+
+void add_list(CLI::App& app);
+void add_target(CLI::App& app);
+void add_doctor(CLI::App& app);
+
+}  // namespace sightline

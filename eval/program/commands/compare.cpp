@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/compare/compare.h"
+
+#include <iostream>
+#include <memory>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "eval/compare/compare_text.h"
+#include "eval/compare/junit.h"
+#include "eval/output/output_folder.h"
+#include "eval/program/commands/commands.h"
+#include "eval/work/interrupt.h"
+
+namespace sightline {
+namespace {
+
+constexpr int kRegressionExit = 3;
+
+struct CompareArguments {
+  std::string base;
+  std::string now;
+  double tolerance = 0;
+  std::string junit;
+  std::string markdown;
+};
+
+}  // namespace
+
+void add_compare(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<CompareArguments>();
+  CLI::App* sub = app.add_subcommand(
+      "compare", "Say of every cell whether a run is better, worse or unchanged; exit 3 if worse");
+  sub->add_option("base", arguments->base, "Folder of a run, or its summary.json")->required();
+  sub->add_option("new", arguments->now, "The same of the run to judge")->required();
+  sub->add_option("--tolerance", arguments->tolerance,
+                  "Allow means to change by this part (0.05: 5 %), failures by this part of the "
+                  "trials")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  sub->add_option("--junit", arguments->junit, "Also write JUnit XML, a test case a cell");
+  sub->add_option("--markdown", arguments->markdown, "Also write all numbers as Markdown");
+  sub->callback([arguments, &exit_code] {
+    remember_interrupts();
+    const Comparison comparison =
+        compare_runs(arguments->base, arguments->now, arguments->tolerance);
+    std::cout << to_text(comparison);
+    if (!arguments->junit.empty()) write_file(arguments->junit, to_junit(comparison));
+    if (!arguments->markdown.empty()) write_file(arguments->markdown, to_markdown(comparison));
+    exit_code = comparison.has_regression() ? kRegressionExit : 0;
+  });
+}
+
+}  // namespace sightline

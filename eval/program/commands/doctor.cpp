@@ -1,0 +1,23 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/program/doctor.h"
+
+#include <iostream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "eval/program/commands/commands.h"
+
+namespace sightline {
+
+void add_doctor(CLI::App& app) {
+  auto measures_renderer = std::make_shared<bool>(false);
+  CLI::App* sub = app.add_subcommand(
+      "doctor", "Say what the program stands on: libraries, folders, ways to draw, shards");
+  sub->add_flag("--renderer", *measures_renderer,
+                "Also measure the edges, vertices and time of every number of samples");
+  sub->callback([measures_renderer] { std::cout << doctor(*measures_renderer); });
+}
+
+}  // namespace sightline

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "eval/output/output_folder.h"
+#include "eval/program/commands/commands.h"
+#include "eval/program/run_command.h"
+#include "eval/run/run.h"
+#include "eval/study/study_file.h"
+#include "eval/tables/plan_table.h"
+#include "eval/work/interrupt.h"
+#include "renderer/renderer.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPilotTrials = 100;  // a condition
+
+// results/<study>, or the first of results/<study>-2, -3, ... that is free.
+fs::path free_folder(const std::string& study) {
+  const auto is_taken = [](const fs::path& folder) {
+    return fs::exists(folder) || fs::exists(staging_folder(folder));
+  };
+  const fs::path first = fs::path("results") / study;
+  fs::path folder = first;
+  for (int i = 2; is_taken(folder); ++i) folder = fmt::format("{}-{}", first.string(), i);
+  return folder;
+}
+
+struct StudyArguments {
+  std::string study;
+  RunArguments run;
+  double planned_width = 0;  // relative half-width of the means' intervals; 0: run the study
+};
+
+// Says how many trials a condition needs for intervals so wide, from a pilot of few.
+int plan_command(const StudyArguments& arguments) {
+  remember_interrupts();
+  StudyOverrides overrides = arguments.run.overrides;
+  if (!overrides.trials) overrides.trials = kPilotTrials;
+  const Study study = read_study(arguments.study, overrides);
+  RunOptions options = run_options(arguments.run);
+  options.out = fs::temp_directory_path() / fmt::format("sightline-plan-{}", getpid());
+  const Summary summary = run_pilot(study, options);
+  std::cout << plan_table(study, summary, arguments.planned_width);
+  return 0;
+}
+
+int run_study_command(const StudyArguments& arguments, const std::string& command) {
+  if (arguments.planned_width > 0) return plan_command(arguments);
+  remember_interrupts();
+  const Study study = read_study(arguments.study, arguments.run.overrides);
+  const fs::path out =
+      arguments.run.out.empty() ? free_folder(study.name) : fs::path(arguments.run.out);
+  return run_command(study, arguments.run, out, command);
+}
+
+struct ListArguments {
+  std::string what;
+  std::string table;
+  bool is_markdown = false;
+};
+
+// Who draws: our own rasteriser unless OpenGL is asked for.
+void add_gl(CLI::App& sub, std::string& gl) {
+  const auto names = gl_choice_names();
+  sub.add_option("--gl", gl, "Draw with OpenGL, to compare: auto, osmesa or egl (see doctor)")
+      ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_study(CLI::App& app, const std::string& command, int& exit_code) {
+  auto arguments = std::make_shared<StudyArguments>();
+  CLI::App* sub = app.add_subcommand(
+      "study", "Run a study: render, extract, solve, compare with the truth, report");
+  sub->add_option("study", arguments->study, "Name (see `sightline list studies`) or a .toml file")
+      ->required();
+  CLI::Option* out =
+      sub->add_option("--out", arguments->run.out,
+                      "Folder for the results [results/<study>, or -2, -3, ... if that exists]");
+  sub->add_option("--trials", arguments->run.overrides.trials,
+                  "Trials of each condition, instead of the study's");
+  sub->add_option("--set", arguments->run.overrides.set,
+                  "key=value over the study's file, for example noise.scale=2; may be repeated")
+      ->allow_extra_args(false);
+  add_run_options(*sub, out, arguments->run);
+  add_gl(*sub, arguments->run.gl);
+  sub->add_option("--plan", arguments->planned_width,
+                  "Only say how many trials a condition needs for 95 % intervals of the means of "
+                  "+- this part of them (0.05: 5 %), from a pilot of --trials [100] each")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->excludes(out);
+  sub->callback(
+      [arguments, command, &exit_code] { exit_code = run_study_command(*arguments, command); });
+}
+
+}  // namespace sightline
