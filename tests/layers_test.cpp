@@ -4,11 +4,16 @@
 // Guards the arrows of the house by reading the #include lines: between the folders at the top, and
 // between the rooms (the folders) within eval/, scenes/ and pose/. To add a room, give it a line in
 // the map of its folder; to let a room see another, name that in its line. The order of the lines
-// does not matter, but no room may see itself by way of others.
+// does not matter, but no room may see itself by way of others. It also guards the size of files
+// and of the folders of tests.
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <istream>
+#include <iterator>
 #include <map>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -217,6 +222,58 @@ TEST(Layers, NoSourceFileLiesOutsideARoom) {
       const std::string extension = entry.path().extension();
       EXPECT_TRUE(extension != ".h" && extension != ".cpp") << entry.path();
     }
+  }
+}
+
+/// Every file of our folders and of the tests that the compiler reads.
+std::vector<fs::path> source_files() {
+  std::vector<std::string> folders = {"tests"};
+  for (const auto& [folder, allowed] : kAllowed) folders.push_back(folder);
+  std::vector<fs::path> files;
+  for (const std::string& folder : folders) {
+    for (const auto& entry :
+         fs::recursive_directory_iterator(fs::path(SIGHTLINE_SOURCE_DIR) / folder)) {
+      const std::string extension = entry.path().extension();
+      if (extension == ".h" || extension == ".cpp") files.push_back(entry.path());
+    }
+  }
+  return files;
+}
+
+/// A longer file holds more than one subject, of which each deserves a file.
+constexpr int kMostLines = 500;
+/// Of more files in one folder nobody sees which belong together.
+constexpr int kMostTestFiles = 15;
+
+int lines_in(std::istream& stream) {
+  return static_cast<int>(std::count(std::istreambuf_iterator<char>(stream), {}, '\n'));
+}
+
+TEST(Layers, NoSourceFileIsLong) {
+  const std::vector<fs::path> files = source_files();
+  EXPECT_GT(files.size(), 100u) << "are these all the files?";
+  for (const fs::path& file : files) {
+    std::ifstream stream(file);
+    EXPECT_LE(lines_in(stream), kMostLines) << file;
+  }
+}
+
+TEST(Layers, LinesAreCounted) {
+  std::istringstream text("a\nb\n\n");
+  EXPECT_EQ(lines_in(text), 3);
+}
+
+/// Only the files that lie in the folder itself count; folders within it are counted for
+/// themselves.
+TEST(Layers, NoFolderOfTestsHoldsManyFiles) {
+  std::map<fs::path, int> files_in;
+  for (const fs::path& file : source_files()) ++files_in[file.parent_path()];
+  const fs::path tests = fs::path(SIGHTLINE_SOURCE_DIR) / "tests";
+  EXPECT_TRUE(files_in.contains(tests));
+  for (const auto& [folder, files] : files_in) {
+    const bool is_of_tests = fs::relative(folder, tests).string().substr(0, 2) != "..";
+    if (!is_of_tests) continue;
+    EXPECT_LE(files, kMostTestFiles) << folder;
   }
 }
 
