@@ -119,7 +119,7 @@ struct TrialErrors {
 std::vector<TrialErrors> errors_of(const TrialRecord& trial) {
   std::vector<TrialErrors> all;
   const auto capped = [](double error, double cap) { return error < cap ? error : cap; };
-  for (const EstimateRecord& estimate : trial.estimates) {
+  for (const EstimateRecord& estimate : trial.estimates()) {
     TrialErrors& of_solver = all.emplace_back();
     of_solver.solver = estimate.solver;
     of_solver.is_failed = !estimate.is_ok();
@@ -128,7 +128,7 @@ std::vector<TrialErrors> errors_of(const TrialRecord& trial) {
       of_solver.errors[i] = of_solver.is_failed ? kErrors[i].cap : capped(error, kErrors[i].cap);
     }
   }
-  for (const OrientationRecord& orientation : trial.orientations) {
+  for (const OrientationRecord& orientation : trial.orientations()) {
     TrialErrors& of_method = all.emplace_back();
     of_method.solver = orientation.method;
     of_method.is_failed = orientation.failures > 0;

@@ -167,7 +167,9 @@ void add_list(CLI::App& app) {
   auto what = std::make_shared<std::string>();
   CLI::App* sub =
       app.add_subcommand("list", "List targets, extractors, solvers, methods and studies");
-  sub->add_option("what", *what, "targets, extractors, solvers, methods or studies; all without");
+  sub->add_option(
+      "what", *what,
+      "targets, extractors, solvers, methods or studies; all without. Or columns: of results");
   sub->callback([what] { std::cout << catalogue_lists(*what); });
 }
 

@@ -82,7 +82,7 @@ void add(FeatureTotals& totals, const ObservationRecord& observation) {
   ++totals.trials;
   if (observation.is_visible) ++totals.visible;
   if (!observation.is_found()) {
-    ++totals.missing[words(observation.status)];
+    ++totals.missing[words(to_string(observation.status))];
     return;
   }
   totals.errors_px.push_back(observation.error_px);
@@ -99,7 +99,7 @@ std::vector<std::pair<std::string, FeatureTotals>> totals_of(const ReportInput& 
     all.emplace_back(input.study.target->features[feature].name, FeatureTotals{});
   }
   for (const TrialRecord& trial : input.trials) {
-    for (const ObservationRecord& observation : trial.observations) {
+    for (const ObservationRecord& observation : trial.observations()) {
       for (auto& [name, totals] : all) {
         if (name == observation.feature) add(totals, observation);
       }

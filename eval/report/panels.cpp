@@ -101,7 +101,7 @@ void sort_by_x(SweepPanel& panel, const Study& study, const std::string& key) {
 }
 
 template <typename Record>
-double or_infinity(const std::vector<Record>& records, size_t solver, double Record::*error) {
+double or_infinity(std::span<const Record> records, size_t solver, double Record::*error) {
   if (solver >= records.size()) return std::numeric_limits<double>::infinity();
   const Record& record = records[solver];
   const double value = record.*error;
@@ -110,15 +110,15 @@ double or_infinity(const std::vector<Record>& records, size_t solver, double Rec
 
 template <double EstimateRecord::*kError>
 double estimate_error(const TrialRecord& trial, size_t solver) {
-  const bool is_ok = solver < trial.estimates.size() && trial.estimates[solver].is_ok();
-  return is_ok ? or_infinity(trial.estimates, solver, kError)
+  const bool is_ok = solver < trial.estimates().size() && trial.estimates()[solver].is_ok();
+  return is_ok ? or_infinity(trial.estimates(), solver, kError)
                : std::numeric_limits<double>::infinity();
 }
 
 // Means over a trial's copies, in which a failed copy counts as the cap already.
 template <double OrientationRecord::*kError>
 double copies_error(const TrialRecord& trial, size_t method) {
-  return or_infinity(trial.orientations, method, kError);
+  return or_infinity(trial.orientations(), method, kError);
 }
 
 }  // namespace

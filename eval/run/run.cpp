@@ -171,7 +171,7 @@ int64_t run_jobs(const Study& study, const RunOptions& options, const OutputFold
 }
 
 bool could_be_run(const TrialRecord& trial) {
-  return !trial.observations.empty() || !trial.orientations.empty();
+  return !trial.observations().empty() || !trial.orientations().empty();
 }
 
 // A manifest as the report shows it.

@@ -72,7 +72,7 @@ void LocalisationStatistics::add(const TrialRecord& trial, std::span<const std::
   double visible = 0, seen = 0, seen_outliers = 0, near = 0;
   double found = 0, outliers = 0, inliers = 0, with_sigma = 0;
   double squares_px2 = 0, du_px = 0, dv_px = 0, squares_sigmas = 0;
-  for (const ObservationRecord& o : trial.observations) {
+  for (const ObservationRecord& o : trial.observations()) {
     const bool is_asked_for = features.empty() || std::find(features.begin(), features.end(),
                                                             o.feature) != features.end();
     if (!is_asked_for) continue;
@@ -145,7 +145,7 @@ Localisation LocalisationStatistics::summary() const {
 
 void FeatureCounts::add(const TrialRecord& trial) {
   int visible = 0, inliers = 0;
-  for (const ObservationRecord& o : trial.observations) {
+  for (const ObservationRecord& o : trial.observations()) {
     visible += o.is_visible;
     inliers += o.is_visible && o.is_found() && !o.is_outlier;
   }

@@ -38,7 +38,7 @@ struct MeanSquare {
 };
 
 int outliers_in(const TrialRecord& trial) {
-  return static_cast<int>(std::count_if(trial.observations.begin(), trial.observations.end(),
+  return static_cast<int>(std::count_if(trial.observations().begin(), trial.observations().end(),
                                         [](const ObservationRecord& o) { return o.is_outlier; }));
 }
 
@@ -74,7 +74,7 @@ std::optional<TrialBound> bound_of(const Study& study, const Positions& position
                                    const std::map<std::string, double>& noise_px) {
   std::vector<Eigen::Vector3d> points;
   std::vector<Eigen::Matrix2d> covariances_px2;
-  for (const ObservationRecord& o : trial.observations) {
+  for (const ObservationRecord& o : trial.observations()) {
     const auto position = positions.find(o.feature);
     if (!o.is_found() || o.is_outlier || position == positions.end()) continue;
     points.push_back(position->second);
@@ -125,13 +125,15 @@ class Fingerprint {
  public:
   explicit Fingerprint(const TrialRecord& trial) {
     add(trial.true_cam_from_target);
-    add(trial.prior_cam_from_target);
-    for (const ObservationRecord& o : trial.observations) {
+    if (const auto* pose_trial = std::get_if<PoseTrial>(&trial.kind)) {
+      add(pose_trial->prior_cam_from_target);
+    }
+    for (const ObservationRecord& o : trial.observations()) {
       add(o.is_found());
       add(o.pixel.x());
       add(o.pixel.y());
     }
-    for (const OrientationRecord& o : trial.orientations) add(o.geodesic_deg);
+    for (const OrientationRecord& o : trial.orientations()) add(o.geodesic_deg);
   }
   uint64_t value() const { return value_; }
 
@@ -153,7 +155,7 @@ class Fingerprint {
 class Repeats {
  public:
   void add(const TrialRecord& trial) {
-    if (trial.observations.empty() && trial.orientations.empty()) return;  // nothing was drawn
+    if (trial.observations().empty() && trial.orientations().empty()) return;  // nothing was drawn
     const uint64_t fingerprint = Fingerprint(trial).value();
     if (seen_.contains(fingerprint)) {
       ++count_;
@@ -188,7 +190,7 @@ double capped_geodesic_deg(const EstimateRecord* estimate) {
 }
 
 const OrientationRecord* find_orientation(const TrialRecord& trial, std::string_view method) {
-  for (const OrientationRecord& orientation : trial.orientations) {
+  for (const OrientationRecord& orientation : trial.orientations()) {
     if (orientation.method == method) return &orientation;
   }
   return nullptr;
@@ -215,8 +217,8 @@ class Summariser {
     ConditionAccumulator& condition = conditions_.at(static_cast<size_t>(trial.condition));
     ++condition.trials;
     condition.repeats.add(trial);
-    for (size_t i = 0; i < trial.observations.size(); ++i) {
-      const ObservationRecord& o = trial.observations[i];
+    for (size_t i = 0; i < trial.observations().size(); ++i) {
+      const ObservationRecord& o = trial.observations()[i];
       FeatureAccumulator& feature = feature_of(condition, o.feature, i, trial.condition);
       condition.found += o.is_found();
       condition.outliers += o.is_outlier;
@@ -316,9 +318,9 @@ class Summariser {
     cell.false_removals += estimate->false_removals;
     cell.missed_outliers += estimate->missed_outliers;
     cell.exact += estimate->false_removals == 0 && estimate->missed_outliers == 0;
-    if (!estimate->covariance) return;
-    cell.nees.add(estimate->nees);
-    cell.nees_covered += estimate->nees <= kChiSquared6At95;
+    if (!estimate->nees) return;
+    cell.nees.add(*estimate->nees);
+    cell.nees_covered += *estimate->nees <= kChiSquared6At95;
   }
 
   static void add_orientation(const TrialRecord& trial, CellAccumulator& cell) {

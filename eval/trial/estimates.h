@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "eval/records/records.h"
@@ -22,6 +21,6 @@ std::vector<EstimateRecord> estimates_of(const Study& study, const FoundPoints& 
                                          const TrialRecord& record);
 
 /// The estimates of a trial without observations: every solver failed, for that reason.
-std::vector<EstimateRecord> failed_estimates(const Study& study, const std::string& reason);
+std::vector<EstimateRecord> failed_estimates(const Study& study, EstimateOutcome reason);
 
 }  // namespace sightline

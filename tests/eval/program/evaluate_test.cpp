@@ -74,16 +74,16 @@ class OwnSet : public testing::Test {
 
 int inliers_of(const TrialRecord& record) {
   int count = 0;
-  for (const ObservationRecord& o : record.observations) count += o.is_found() && !o.is_outlier;
+  for (const ObservationRecord& o : record.observations()) count += o.is_found() && !o.is_outlier;
   return count;
 }
 
 void expect_same(const Trial& a, const Trial& b) {
   EXPECT_EQ(cv::norm(a.frame.image, b.frame.image, cv::NORM_INF), 0);
-  ASSERT_EQ(a.record.observations.size(), b.record.observations.size());
-  for (size_t i = 0; i < a.record.observations.size(); ++i) {
-    const ObservationRecord& x = a.record.observations[i];
-    const ObservationRecord& y = b.record.observations[i];
+  ASSERT_EQ(a.record.observations().size(), b.record.observations().size());
+  for (size_t i = 0; i < a.record.observations().size(); ++i) {
+    const ObservationRecord& x = a.record.observations()[i];
+    const ObservationRecord& y = b.record.observations()[i];
     EXPECT_EQ(x.feature, y.feature);
     EXPECT_EQ(x.status, y.status);
     EXPECT_EQ(x.label, y.label);
@@ -91,10 +91,10 @@ void expect_same(const Trial& a, const Trial& b) {
     EXPECT_LT((x.true_pixel - y.true_pixel).norm(), kSamePx);
     EXPECT_LT((x.pixel - y.pixel).norm(), kSamePx);
   }
-  ASSERT_EQ(a.record.estimates.size(), b.record.estimates.size());
-  for (size_t i = 0; i < a.record.estimates.size(); ++i) {
-    const EstimateRecord& x = a.record.estimates[i];
-    const EstimateRecord& y = b.record.estimates[i];
+  ASSERT_EQ(a.record.estimates().size(), b.record.estimates().size());
+  for (size_t i = 0; i < a.record.estimates().size(); ++i) {
+    const EstimateRecord& x = a.record.estimates()[i];
+    const EstimateRecord& y = b.record.estimates()[i];
     EXPECT_EQ(x.status, y.status);
     EXPECT_EQ(x.removed, y.removed);
     EXPECT_NEAR(x.geodesic_deg, y.geodesic_deg, kSameDeg);
@@ -147,9 +147,9 @@ TEST_F(OwnSet, ShowsAHalfPixelTooMuch) {
   edit(fs::path(set) / "camera.json",
        [](json& camera) { camera["cameraMatrix"][0][2] = 0.5 + double(camera["ccx"]); });
   const Trial wrong = run_trial(study_of(set), 0, renderer);
-  for (size_t i = 0; i < right.record.observations.size(); ++i) {
-    EXPECT_NEAR(wrong.record.observations[i].true_pixel.x(),
-                right.record.observations[i].true_pixel.x() + 0.5, kSamePx);
+  for (size_t i = 0; i < right.record.observations().size(); ++i) {
+    EXPECT_NEAR(wrong.record.observations()[i].true_pixel.x(),
+                right.record.observations()[i].true_pixel.x() + 0.5, kSamePx);
   }
 }
 
@@ -344,8 +344,8 @@ TEST_F(ForeignSet, ShowsItsCubeWhereItsPosesSay) {
   for (int i = 0; i < 2; ++i) {
     const TrialRecord record = run_trial(study, i, renderer).record;
     EXPECT_GE(inliers_of(record), 5) << i;
-    ASSERT_TRUE(record.estimates[0].is_ok());
-    EXPECT_LT(record.estimates[0].geodesic_deg, 1) << i;
+    ASSERT_TRUE(record.estimates()[0].is_ok());
+    EXPECT_LT(record.estimates()[0].geodesic_deg, 1) << i;
   }
 }
 

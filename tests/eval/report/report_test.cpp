@@ -90,7 +90,6 @@ ObservationRecord found(const std::string& name, const Eigen::Vector2d& pixel, d
                         bool is_outlier = false) {
   ObservationRecord record;
   record.feature = name;
-  record.status = "found";
   record.is_visible = true;
   record.pixel = pixel;
   record.true_pixel = pixel - Eigen::Vector2d(error_px, 0);
@@ -99,15 +98,15 @@ ObservationRecord found(const std::string& name, const Eigen::Vector2d& pixel, d
   return record;
 }
 
-ObservationRecord missing(const std::string& name, ObservationStatus status) {
+ObservationRecord missing(const std::string& name, ObservationOutcome status) {
   ObservationRecord record;
   record.feature = name;
-  record.status = to_string(status);
+  record.status = status;
   return record;
 }
 
 EstimateRecord estimate(const std::string& solver, double theta_error_deg,
-                        const std::string& status = "ok") {
+                        EstimateOutcome status = EstimateOutcome::kOk) {
   EstimateRecord record;
   record.solver = solver;
   record.status = status;
@@ -121,12 +120,12 @@ TrialRecord small_trial(int64_t index, double orpe_error_deg) {
   trial.trial = index;
   trial.condition = static_cast<int>(index % 2);
   trial.true_cam_from_target.translation = {0, 0, 1300};
-  trial.observations = {found(kEvilName, {20, 20}, 0.4), found("root", {40, 22}, 9.5, true),
-                        missing("fin", ObservationStatus::kTooFewEdgePixels),
-                        found("nose", {30, 45}, 0.2)};
-  trial.estimates = {estimate("orpe", orpe_error_deg), estimate("lspe", orpe_error_deg + 1),
-                     estimate("oracle", 0.1)};
-  trial.estimates[0].removed = {"root"};
+  trial.pose_trial().observations = {
+      found(kEvilName, {20, 20}, 0.4), found("root", {40, 22}, 9.5, true),
+      missing("fin", ObservationOutcome::kTooFewEdgePixels), found("nose", {30, 45}, 0.2)};
+  trial.pose_trial().estimates = {estimate("orpe", orpe_error_deg),
+                                  estimate("lspe", orpe_error_deg + 1), estimate("oracle", 0.1)};
+  trial.pose_trial().estimates[0].removed = {"root"};
   return trial;
 }
 
@@ -406,7 +405,7 @@ TEST(SilhouetteFigure, SaysWhereTheOutlineShowsEachFeature) {
   const std::string page = one_line(report.page());
   EXPECT_TRUE(has(page, "The outline beside each feature, at the true poses of 4 trials."));
   EXPECT_TRUE(has(page, "<td>4</td><td class=\"kind\">corner</td>"));
-  report.trials[1].observations.clear();  // a pose that could not be imaged
+  report.trials[1].pose_trial().observations.clear();  // a pose that could not be imaged
   const std::string fewer = one_line(report.page());
   EXPECT_TRUE(has(fewer, "at the true poses of 3 of 4 trials."));
   EXPECT_TRUE(has(fewer, "<td>3</td><td class=\"kind\">corner</td>"));
@@ -442,8 +441,8 @@ TEST(AnswerFigure, ComparesSolversTrialByTrial) {
   SmallReport report;
   EXPECT_TRUE(has(report.page(), "the θ error of ORPE is 1.00° [1.00, 1.00] smaller"));
   for (size_t i = 0; i < report.trials.size(); ++i) {
-    report.trials[i].estimates[1].theta_error_deg =
-        report.trials[i].estimates[0].theta_error_deg + (i % 2 == 0 ? 0.5 : -0.5);
+    report.trials[i].pose_trial().estimates[1].theta_error_deg =
+        report.trials[i].pose_trial().estimates[0].theta_error_deg + (i % 2 == 0 ? 0.5 : -0.5);
   }
   EXPECT_TRUE(has(report.page(), "do not tell the θ errors of ORPE and LSPE apart"));
 }
@@ -505,8 +504,8 @@ TEST(TableFigure, ShowsMediansWhereThePaperPrintsNothing) {
 
 TEST(TableFigure, NamesTheTrialsThatCouldNotBeImaged) {
   SmallReport report;
-  report.trials[1].observations.clear();
-  report.trials[3].observations.clear();
+  report.trials[1].pose_trial().observations.clear();
+  report.trials[3].pose_trial().observations.clear();
   const std::string page = report.page();
   EXPECT_TRUE(has(page, "Trials that could not be imaged: 2 of 4 trials"));
   EXPECT_TRUE(has(page, "<li>pose 2: 1, 3</li>"));
@@ -535,13 +534,13 @@ TEST(FramesFigure, ShowsTheEvidence) {
 
 TEST(FramesFigure, MarksNoRemovalWhereNothingWasRemoved) {
   SmallReport report;
-  report.frames[0].trial.record.estimates[0].removed.clear();
+  report.frames[0].trial.record.pose_trial().estimates[0].removed.clear();
   EXPECT_FALSE(has(report.page(), "class=\"layer-removed"));
 }
 
 TEST(FramesFigure, ShowsAFailedSolverAndAFrameWithoutImage) {
   SmallReport report;
-  report.frames[0].stored.estimates[0].status = "too_few_points";
+  report.frames[0].stored.pose_trial().estimates[0].status = EstimateOutcome::kTooFewPoints;
   EXPECT_TRUE(has(report.page(), "no pose: too few points"));
   report.frames[0].picture = {};
   EXPECT_FALSE(has(report.page(), "data:image/png"));
@@ -550,8 +549,8 @@ TEST(FramesFigure, ShowsAFailedSolverAndAFrameWithoutImage) {
 
 TEST(FramesFigure, StatesTheStoredNumbers) {
   SmallReport report;
-  report.frames[0].stored.estimates[0].theta_error_deg = 7.89;
-  report.frames[0].trial.record.estimates[0].theta_error_deg = 4.56;
+  report.frames[0].stored.pose_trial().estimates[0].theta_error_deg = 7.89;
+  report.frames[0].trial.record.pose_trial().estimates[0].theta_error_deg = 4.56;
   const std::string page = report.page();
   EXPECT_TRUE(has(page, "<td>7.89</td>"));
   EXPECT_FALSE(has(page, "<td>4.56</td>"));
@@ -586,7 +585,7 @@ TEST(FrameSvg, CutsLinesAtTheirWindow) {
   Observation observation = observed(0, {10, 20, 11, 11});
   observation.lines[0].point = {15, 25};
   observation.lines[0].direction = Eigen::Vector2d::UnitX();
-  const ObservationRecord record = missing("a", ObservationStatus::kParallelLines);
+  const ObservationRecord record = missing("a", ObservationOutcome::kParallelLines);
   EXPECT_THAT(feature_marks(observation, record, {}), HasSubstr("d=\"M9.5 25L20.5 25\""));
   observation.lines[0].point = {15, 40};  // passes by the window
   EXPECT_THAT(feature_marks(observation, record, {}), Not(HasSubstr("layer-lines")));
@@ -595,7 +594,7 @@ TEST(FrameSvg, CutsLinesAtTheirWindow) {
 TEST(FrameSvg, DrawsTheEdgePixelsThatAnOutlineWasLaidOn) {
   Observation observation;
   observation.window = {10, 20, 11, 11};
-  const ObservationRecord record = missing("a", ObservationStatus::kTooFewEdgePixels);
+  const ObservationRecord record = missing("a", ObservationOutcome::kTooFewEdgePixels);
   EXPECT_THAT(feature_marks(observation, record, {}), Not(HasSubstr("layer-edges")));
   observation.contour = {{12.25, 22}, {13, 22.5}};
   EXPECT_THAT(feature_marks(observation, record, {}),
@@ -605,7 +604,7 @@ TEST(FrameSvg, DrawsTheEdgePixelsThatAnOutlineWasLaidOn) {
 TEST(FrameSvg, DrawsALaidOutlineFromNeighbourToNeighbour) {
   Observation observation;
   observation.window = {10, 20, 11, 11};
-  const ObservationRecord record = missing("a", ObservationStatus::kParallelLines);
+  const ObservationRecord record = missing("a", ObservationOutcome::kParallelLines);
   EXPECT_THAT(feature_marks(observation, record, {}), Not(HasSubstr("layer-lines")));
   observation.laid_outline = {{12, 22}, {10, 22}, {13, 23}, {11, 22}, {13, 24}};
   EXPECT_THAT(feature_marks(observation, record, {}),
@@ -667,7 +666,7 @@ TEST(Outline, OfWhatCannotBeImagedIsEmpty) {
 
 TEST(FramesFigure, ListsEveryTrialWithItsErrorAndKind) {
   SmallReport report;
-  report.trials[2].estimates[0].status = "too_few_points";
+  report.trials[2].pose_trial().estimates[0].status = EstimateOutcome::kTooFewPoints;
   const std::string page = report.page();
   EXPECT_TRUE(has(page, R"("trial":[0,1,2,3],"condition":[0,1,0,1],"frame":[1,0,0,0])"));
   EXPECT_TRUE(has(page, R"("error":[[1.0,5.0,null,3.0],[2.0,6.0,3.0,4.0])"));
@@ -711,9 +710,9 @@ TEST(Evidence, TakesTheFirstDrawOfEachConditionTheMedianAndTheWorst) {
 
 TEST(Evidence, TakesEachKindOfFailureOfEverySolver) {
   SmallReport report;
-  report.trials[2].estimates[0].status = "diverged";
-  report.trials[3].estimates[0].false_removals = 1;
-  report.trials[3].estimates[1].missed_outliers = 1;
+  report.trials[2].pose_trial().estimates[0].status = EstimateOutcome::kDiverged;
+  report.trials[3].pose_trial().estimates[0].false_removals = 1;
+  report.trials[3].pose_trial().estimates[1].missed_outliers = 1;
   auto found = captions(choose_frames(report.study, report.trials));
   EXPECT_THAT(found[2], HasSubstr("ORPE finds no pose: diverged"));
   EXPECT_THAT(found[3], HasSubstr("ORPE removes an inlier"));
@@ -747,7 +746,8 @@ TEST(Evidence, TakesEachTrialOnceUpToItsLimitAndTheSameAgain) {
 
 TEST(Evidence, OfATrialWithoutAnyPoseIsThatTrial) {
   SmallReport report = random_study(1);
-  for (EstimateRecord& estimate : report.trials[0].estimates) estimate.status = "too_few_points";
+  for (EstimateRecord& estimate : report.trials[0].pose_trial().estimates)
+    estimate.status = EstimateOutcome::kTooFewPoints;
   const auto choices = choose_frames(report.study, report.trials);
   ASSERT_EQ(choices.size(), 1u);
   EXPECT_THAT(choices[0].caption, HasSubstr("ORPE finds no pose: too few points"));
@@ -766,13 +766,13 @@ TEST(Evidence, SaysWhereTheRunAgainDiffersFromTheStoredTrial) {
   ASSERT_EQ(frames.size(), 1u);
   EXPECT_THAT(frames[0].caption, Not(HasSubstr(differs)));
 
-  double& x_m = trials[0].estimates[0].cam_from_target.translation.x();
+  double& x_m = trials[0].pose_trial().estimates[0].cam_from_target.translation.x();
   x_m = std::nextafter(x_m, 1e9);
   frames = gather_evidence(study, trials, renderer);
   EXPECT_THAT(frames[0].caption, HasSubstr(differs));
-  EXPECT_EQ(frames[0].stored.estimates[0].cam_from_target.translation.x(), x_m);
+  EXPECT_EQ(frames[0].stored.estimates()[0].cam_from_target.translation.x(), x_m);
 
-  trials[0].estimates[0].status = "degenerate";
+  trials[0].pose_trial().estimates[0].status = EstimateOutcome::kDegenerate;
   EXPECT_THAT(gather_evidence(study, trials, renderer)[0].caption, HasSubstr(differs));
 }
 

@@ -32,8 +32,8 @@ Result result_of(int trials, const std::vector<std::string>& settings) {
   for (int64_t i = 0; i < trials; ++i) {
     const TrialRecord record = run_trial(study, i, renderer).record;
     statistics.add(record);
-    EXPECT_TRUE(record.estimates[0].is_ok());
-    result.mean_geodesic_deg += record.estimates[0].geodesic_deg / trials;
+    EXPECT_TRUE(record.estimates()[0].is_ok());
+    result.mean_geodesic_deg += record.estimates()[0].geodesic_deg / trials;
   }
   result.localisation = statistics.summary();
   return result;
@@ -62,14 +62,15 @@ TEST(Passes, OnePassLooksAroundThePrior) {
     ImageSetup setup = study.setups.front();
     setup.passes = passes;
     return extract_in_passes(study, setup, trial.scene, trial.frame.image,
-                             trial.record.prior_cam_from_target, renderer);
+                             trial.record.pose_trial().prior_cam_from_target, renderer);
   };
   const auto off_deg = [&](const Extraction& extraction) {
     return geodesic_angle_rad(extraction.cam_from_target.rotation,
                               trial.record.true_cam_from_target.rotation) *
            180 / M_PI;
   };
-  EXPECT_EQ(look(1).cam_from_target.rotation, trial.record.prior_cam_from_target.rotation);
+  EXPECT_EQ(look(1).cam_from_target.rotation,
+            trial.record.pose_trial().prior_cam_from_target.rotation);
   EXPECT_GT(off_deg(look(1)), 0.5);
   EXPECT_LT(off_deg(look(2)), 0.5);
 }
@@ -117,8 +118,8 @@ TEST(Passes, APassThatFindsLessThanHalfIsDropped) {
     const auto look = [&](int passes) {
       ImageSetup setup = study.setups.front();
       setup.passes = passes;
-      return extract_in_passes(study, setup, trial.scene, image, trial.record.prior_cam_from_target,
-                               renderer);
+      return extract_in_passes(study, setup, trial.scene, image,
+                               trial.record.pose_trial().prior_cam_from_target, renderer);
     };
     const Extraction one = look(1), two = look(2);
     EXPECT_GE(2 * found_in(two), found_in(one)) << i;
