@@ -26,7 +26,7 @@ struct TrialErrors {
 std::vector<TrialErrors> errors_of(const TrialRecord& trial) {
   std::vector<TrialErrors> all;
   const auto capped = [](double error, double cap) { return error < cap ? error : cap; };
-  for (const EstimateRecord& estimate : trial.estimates) {
+  for (const EstimateRecord& estimate : trial.estimates()) {
     TrialErrors& of_solver = all.emplace_back();
     of_solver.solver = estimate.solver;
     of_solver.is_failed = !estimate.is_ok();
@@ -36,7 +36,7 @@ std::vector<TrialErrors> errors_of(const TrialRecord& trial) {
           of_solver.is_failed ? kComparedErrors[i].cap : capped(error, kComparedErrors[i].cap);
     }
   }
-  for (const OrientationRecord& orientation : trial.orientations) {
+  for (const OrientationRecord& orientation : trial.orientations()) {
     TrialErrors& of_method = all.emplace_back();
     of_method.solver = orientation.method;
     of_method.is_failed = orientation.failures > 0;

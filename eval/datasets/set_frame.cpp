@@ -44,14 +44,14 @@ SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
   scene.cam_from_target = sighting.cam_from_target;
   out.frame.image = read_grey_picture(sighting.picture);
   if (out.frame.image.empty()) {
-    out.problem = "picture unreadable";
+    out.problem = EstimateOutcome::kPictureUnreadable;
     return out;
   }
   scene.camera.width_px = out.frame.image.cols;
   scene.camera.height_px = out.frame.image.rows;
   scene.sensor.bits = out.frame.image.depth() == CV_8U ? 8 : bits;
   if (!why_not_imageable(scene).empty()) {
-    out.problem = "not imaged";
+    out.problem = EstimateOutcome::kNotImaged;
     return out;
   }
   state_truth(scene, out.frame);
@@ -60,7 +60,7 @@ SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
   if (mask.size() == out.frame.image.size()) {
     hide_behind_others(mask, out.frame);
   } else {
-    out.problem = "mask unreadable";
+    out.problem = EstimateOutcome::kMaskUnreadable;
   }
   return out;
 }

@@ -3,9 +3,10 @@
 #pragma once
 
 #include <memory>
-#include <string>
+#include <optional>
 
 #include "eval/datasets/sightings.h"
+#include "eval/records/names.h"
 #include "renderer/frame.h"
 
 namespace sightline {
@@ -14,7 +15,7 @@ namespace sightline {
 struct SetFrame {
   Scene scene;  ///< target, camera, pose and bits alone: nobody knows the rest
   Frame frame;
-  std::string problem;  ///< why there is none, in words for results.csv; empty where there is one
+  std::optional<EstimateOutcome> problem;  ///< why there is none
 };
 
 /// Reads the picture of a sighting as grey levels, as they are stored, and states the truth that

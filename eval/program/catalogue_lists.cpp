@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/results/columns_page.h"
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
 #include "pose/solver.h"
@@ -88,7 +89,8 @@ std::string catalogue_lists(const std::string& what) {
                                    {"solvers", solvers},
                                    {"methods", methods},
                                    {"studies", studies}};
-  std::vector<std::string> known, all;
+  if (what == "columns") return columns_page();  // too long to stand among the others
+  std::vector<std::string> known = {"columns"}, all;
   for (const auto& [name, list] : lists) {
     if (what == name) return list();
     known.push_back(name);

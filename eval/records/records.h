@@ -6,12 +6,15 @@
 #include <functional>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "eval/records/names.h"
 #include "pose/pose.h"
 
 namespace sightline {
@@ -19,24 +22,24 @@ namespace sightline {
 /// What became of one feature in one trial.
 struct ObservationRecord {
   std::string feature;
-  std::string status;                               ///< "found", or why it is missing
+  ObservationOutcome status = ObservationOutcome::kFound;
   bool is_visible = false;                          ///< truly: see LabelledObservation
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< with status "found"
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< zero where nothing was found
   Eigen::Vector2d true_pixel = Eigen::Vector2d::Zero();
-  double error_px = 0;  ///< with status "found"
+  double error_px = 0;  ///< zero where nothing was found
   /// The error in units of the observation's own covariance; NaN where it states none.
   double error_sigmas = std::numeric_limits<double>::quiet_NaN();
   bool is_outlier = false;  ///< found, and farther from the truth than the study's limits
-  std::string label;        ///< what it is against the truth: see ObservationLabel
+  ObservationLabel label = ObservationLabel::kInlier;
 
-  bool is_found() const { return status == "found"; }
+  bool is_found() const { return status == ObservationOutcome::kFound; }
 };
 
 /// What one solver made of one trial. Errors as the ORPE paper defines them; in a failed trial
-/// (status other than "ok") they are not meaningful, and statistics count the failure.
+/// (status other than kOk) they are not meaningful, and statistics count the failure.
 struct EstimateRecord {
   std::string solver;
-  std::string status = "ok";  ///< or why there is no pose
+  EstimateOutcome status = EstimateOutcome::kOk;
   Pose cam_from_target;
   double theta_error_deg = 0;  ///< RMS of the three attitude angles' errors
   double t_error_percent = 0;  ///< RMS of the translation error's components over the distance
@@ -52,18 +55,26 @@ struct EstimateRecord {
   /// metres; none where it reports none.
   std::optional<Eigen::Matrix<double, 6, 6>> covariance;
   /// Normalised estimation error squared: e^T covariance^-1 e of the error e = (w, dt). Of a true
-  /// covariance it is chi-squared with 6 degrees of freedom. NaN without a covariance.
-  double nees = std::numeric_limits<double>::quiet_NaN();
+  /// covariance it is chi-squared with 6 degrees of freedom. None without a covariance.
+  std::optional<double> nees;
+  // What the solver itself says of its pose (Diagnosis in pose/solver.h); none where it says
+  // nothing of that question.
+  std::optional<bool> is_ambiguous;
+  std::optional<double> removed_probability;
+  std::optional<bool> is_removal_limit_reached;
+  std::optional<bool> is_test_failed;
 
-  bool is_ok() const { return status == "ok"; }
+  bool is_ok() const { return status == EstimateOutcome::kOk; }
+  /// Whether exactly the outliers were removed; of an estimate that is ok.
+  bool is_set_exact() const { return false_removals == 0 && missed_outliers == 0; }
 };
 
 /// What one method made of the noisy copies of one draw of an orientation study. Errors are means
 /// over the copies, each capped as in statistics, a copy without a rotation counting as the cap.
 struct OrientationRecord {
   std::string method;
-  std::string status = "ok";   ///< of the first copy that failed, if one did
-  int failures = 0;            ///< copies without a rotation
+  EstimateOutcome status = EstimateOutcome::kOk;  ///< of the first copy that failed, if one did
+  int failures = 0;                               ///< copies without a rotation
   double angle_error_deg = 0;  ///< mean of the three attitude angles' absolute errors
   double theta_error_deg = 0;  ///< the rest as in EstimateRecord
   double t_error_percent = 0;
@@ -71,18 +82,54 @@ struct OrientationRecord {
   double time_ns = std::numeric_limits<double>::quiet_NaN();  ///< a solve; NaN where not timed
 };
 
-/// One trial: the truth, what was seen, and what each solver said.
-struct TrialRecord {
-  int64_t trial = 0;
-  int condition = 0;
-  int redraws = 0;
-  Pose true_cam_from_target;
+/// What images, or points projected in their place, gave, and what each solver made of it.
+struct PoseTrial {
   Pose prior_cam_from_target;
   std::vector<ObservationRecord> observations;
   std::vector<EstimateRecord> estimates;  ///< in the study's order of solvers
-  /// In the study's order of methods; only in an orientation study, whose true pose is b_from_a.
-  std::vector<OrientationRecord> orientations;
 };
+
+/// What each method made of pairs of points.
+struct OrientationTrial {
+  std::vector<OrientationRecord> orientations;  ///< in the study's order of methods
+};
+
+/// One trial: which it is, the true pose that was to be found, and what became of it.
+struct TrialRecord {
+  int64_t trial = 0;
+  int condition = 0;
+  int redraws = 0;            ///< poses drawn before the one that is kept
+  Pose true_cam_from_target;  ///< of pairs of points a and b: b_from_a
+  std::variant<PoseTrial, OrientationTrial> kind;
+
+  /// Of a trial that is known to be of that kind. Throws std::bad_variant_access for any other.
+  PoseTrial& pose_trial() { return std::get<PoseTrial>(kind); }
+  const PoseTrial& pose_trial() const { return std::get<PoseTrial>(kind); }
+  OrientationTrial& orientation_trial() { return std::get<OrientationTrial>(kind); }
+
+  /// What a trial of either kind has of these: nothing, where it is of the other kind.
+  std::span<const ObservationRecord> observations() const;
+  std::span<const EstimateRecord> estimates() const;
+  std::span<const OrientationRecord> orientations() const;
+};
+
+inline std::span<const ObservationRecord> TrialRecord::observations() const {
+  const auto* pose_trial = std::get_if<PoseTrial>(&kind);
+  if (pose_trial == nullptr) return {};
+  return pose_trial->observations;
+}
+
+inline std::span<const EstimateRecord> TrialRecord::estimates() const {
+  const auto* pose_trial = std::get_if<PoseTrial>(&kind);
+  if (pose_trial == nullptr) return {};
+  return pose_trial->estimates;
+}
+
+inline std::span<const OrientationRecord> TrialRecord::orientations() const {
+  const auto* orientation_trial = std::get_if<OrientationTrial>(&kind);
+  if (orientation_trial == nullptr) return {};
+  return orientation_trial->orientations;
+}
 
 /// Trials that are gone through one by one, by their numbers, so that no more than one need be in
 /// memory; as often as asked.
@@ -91,7 +138,7 @@ using TrialSource = std::function<void(const TrialVisitor&)>;
 
 /// What a solver made of a trial, failed or not; null where the trial has nothing of it.
 inline const EstimateRecord* find_estimate(const TrialRecord& trial, std::string_view solver) {
-  for (const EstimateRecord& estimate : trial.estimates) {
+  for (const EstimateRecord& estimate : trial.estimates()) {
     if (estimate.solver == solver) return &estimate;
   }
   return nullptr;

@@ -39,7 +39,8 @@ std::string failures(std::span<const TrialRecord> trials, const SolverMeans& mea
   std::set<std::string> reasons;
   for (const TrialRecord& trial : trials) {
     const EstimateRecord* estimate = find_estimate(trial, means.solver);
-    if (estimate != nullptr && !estimate->is_ok()) reasons.insert(words(estimate->status));
+    if (estimate != nullptr && !estimate->is_ok())
+      reasons.insert(words(to_string(estimate->status)));
   }
   const std::string why = reasons.empty() ? "" : fmt::format(" ({})", fmt::join(reasons, ", "));
   return fmt::format("{} of {} without a pose{}", means.failures, counted(means.trials, "trial"),

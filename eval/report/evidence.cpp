@@ -97,7 +97,7 @@ void choose_first_draws(Choices& choices, const Study& study, std::span<const Tr
 
 // What a solver made of a trial, by kind: rightly, wrongly and not at all.
 std::vector<std::string> kinds_of(const EstimateRecord& estimate) {
-  if (!estimate.is_ok()) return {"finds no pose: " + words(estimate.status)};
+  if (!estimate.is_ok()) return {"finds no pose: " + words(to_string(estimate.status))};
   std::vector<std::string> kinds;
   if (estimate.false_removals > 0) kinds.push_back("removes an inlier");
   if (estimate.missed_outliers > 0) kinds.push_back("keeps an outlier");
@@ -120,11 +120,11 @@ void choose_kinds(Choices& choices, std::span<const TrialRecord> trials,
 
 // The first trial of each reason for which a feature is missing.
 void choose_missing(Choices& choices, std::span<const TrialRecord> trials) {
-  std::set<std::string> seen;
+  std::set<ObservationOutcome> seen;
   for (const TrialRecord& trial : trials) {
-    for (const ObservationRecord& observation : trial.observations) {
+    for (const ObservationRecord& observation : trial.observations()) {
       if (observation.is_found() || !seen.insert(observation.status).second) continue;
-      choices.add(trial, "a feature is missing: " + words(observation.status));
+      choices.add(trial, "a feature is missing: " + words(to_string(observation.status)));
     }
   }
 }
@@ -173,7 +173,7 @@ bool is_same(const EstimateRecord& a, const EstimateRecord& b) {
 }
 
 template <typename Record>
-bool is_same(const std::vector<Record>& a, const std::vector<Record>& b) {
+bool is_same(std::span<const Record> a, std::span<const Record> b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(),
                     [](const Record& x, const Record& y) { return is_same(x, y); });
 }
@@ -181,14 +181,14 @@ bool is_same(const std::vector<Record>& a, const std::vector<Record>& b) {
 // In all that the report shows of a trial, bit by bit.
 bool is_same(const TrialRecord& a, const TrialRecord& b) {
   return is_same(a.true_cam_from_target, b.true_cam_from_target) &&
-         is_same(a.observations, b.observations) && is_same(a.estimates, b.estimates);
+         is_same(a.observations(), b.observations()) && is_same(a.estimates(), b.estimates());
 }
 
 // Where the target, the windows and the outlines are, of any solver.
 cv::Rect region_of_interest(const Trial& trial, const std::map<std::string, Outline>& outlines) {
   if (trial.frame.image.empty()) return {};
   cv::Rect region = trial.frame.truth.target().visible_box;
-  for (const Observation& observation : trial.observations) region |= observation.window;
+  for (const Observation& observation : trial.observations()) region |= observation.window;
   for (const auto& [solver, outline] : outlines) {
     for (const std::vector<Eigen::Vector2d>& polygon : outline) {
       for (const Eigen::Vector2d& vertex : polygon) {
@@ -210,7 +210,7 @@ FrameEvidence evidence_of(const Study& study, const FrameChoice& choice, const T
   if (!is_same(stored, trial.record)) {
     evidence.caption += "; this re-run differs from the stored trial";
   }
-  for (const EstimateRecord& estimate : trial.record.estimates) {
+  for (const EstimateRecord& estimate : trial.record.estimates()) {
     Outline outline = traced(renderer, trial.scene, estimate);
     if (!outline.empty()) evidence.outlines.emplace(estimate.solver, std::move(outline));
   }
@@ -227,7 +227,7 @@ size_t bytes_of(const FrameEvidence& frame) {
   constexpr size_t kBytesAnOutlineSample = 2 * 3;  // most lie on straight lines
   constexpr size_t kBytesAVertex = 14;
   size_t bytes = frame.picture.png_url.size() + kBytesAFrame;
-  for (const Observation& observation : frame.trial.observations) {
+  for (const Observation& observation : frame.trial.observations()) {
     for (const ImageLine& line : observation.lines) {
       bytes += kBytesAnEdgePixel * line.edge_pixels.size();
     }

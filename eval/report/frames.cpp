@@ -71,7 +71,7 @@ mustache::data legend(const Study& study) {
 // Those that had to find out: the oracle is told.
 std::vector<std::string> removers_of(const TrialRecord& record, const std::string& feature) {
   std::vector<std::string> solvers;
-  for (const EstimateRecord& estimate : record.estimates) {
+  for (const EstimateRecord& estimate : record.estimates()) {
     const PoseSolver* solver = find_pose_solver(estimate.solver);
     if (solver != nullptr && solver->evaluation_only) continue;
     const auto& removed = estimate.removed;
@@ -103,9 +103,9 @@ std::string short_name(size_t index) {
 
 std::string removed_names(const TrialRecord& record, const EstimateRecord& estimate) {
   std::string text;
-  for (size_t i = 0; i < record.observations.size(); ++i) {
+  for (size_t i = 0; i < record.observations().size(); ++i) {
     const auto& removed = estimate.removed;
-    const std::string& feature = record.observations[i].feature;
+    const std::string& feature = record.observations()[i].feature;
     if (std::find(removed.begin(), removed.end(), feature) == removed.end()) continue;
     text += (text.empty() ? "" : ", ") + short_name(i);
   }
@@ -114,11 +114,11 @@ std::string removed_names(const TrialRecord& record, const EstimateRecord& estim
 
 mustache::data estimates_of(const TrialRecord& record) {
   mustache::data list(mustache::data::type::list);
-  for (const EstimateRecord& estimate : record.estimates) {
+  for (const EstimateRecord& estimate : record.estimates()) {
     list << mustache::object{
         {"solver", solver_label(estimate.solver)},
         {"ok", estimate.is_ok()},
-        {"status", words(estimate.status)},
+        {"status", words(to_string(estimate.status))},
         {"theta", measure(estimate.theta_error_deg)},
         {"t", measure(estimate.t_error_percent)},
         {"reprojection", measure(estimate.reprojection_rms_px)},
@@ -129,7 +129,7 @@ mustache::data estimates_of(const TrialRecord& record) {
 }
 
 std::string state(const ObservationRecord& record) {
-  if (!record.is_found()) return words(record.status);
+  if (!record.is_found()) return words(to_string(record.status));
   return fmt::format("{} px off", measure(record.error_px));
 }
 
@@ -161,10 +161,10 @@ int label_row(const cv::Rect& window, size_t index) {
 
 FeatureDrawings draw_features(const Trial& trial, bool has_picture) {
   FeatureDrawings drawings;
-  const size_t count = std::min(trial.observations.size(), trial.record.observations.size());
+  const size_t count = std::min(trial.observations().size(), trial.record.observations().size());
   for (size_t i = 0; i < count; ++i) {
-    const Observation& observation = trial.observations[i];
-    const ObservationRecord& record = trial.record.observations[i];
+    const Observation& observation = trial.observations()[i];
+    const ObservationRecord& record = trial.record.observations()[i];
     const auto removers = removers_of(trial.record, record.feature);
     const std::string marks = feature_marks(observation, record, removers);
     const std::string label = short_name(i);
@@ -240,7 +240,7 @@ mustache::data frame_section(const Study& study, const FrameEvidence& frame, siz
 
 // What a solver made of a trial, in words to choose by.
 std::string kind_of(const EstimateRecord& estimate) {
-  if (!estimate.is_ok()) return "no pose: " + words(estimate.status);
+  if (!estimate.is_ok()) return "no pose: " + words(to_string(estimate.status));
   if (estimate.false_removals > 0 && estimate.missed_outliers > 0) {
     return "removed an inlier, kept an outlier";
   }
@@ -253,12 +253,12 @@ std::string kind_of(const EstimateRecord& estimate) {
 void add_estimates(ordered_json& json, const TrialRecord& trial,
                    const std::vector<TrialError>& errors,
                    std::map<std::string, size_t>& number_of) {
-  for (size_t s = 0; s < trial.estimates.size(); ++s) {
+  for (size_t s = 0; s < trial.estimates().size(); ++s) {
     const double error = errors.front().of(trial, s);
     json["error"][s].push_back(std::isfinite(error) ? ordered_json(std::round(1e4 * error) / 1e4)
                                                     : ordered_json(nullptr));
     const size_t next = number_of.size();
-    const auto [kind, is_new] = number_of.emplace(kind_of(trial.estimates[s]), next);
+    const auto [kind, is_new] = number_of.emplace(kind_of(trial.estimates()[s]), next);
     if (is_new) json["kinds"].push_back(kind->first);
     json["kind"][s].push_back(kind->second);
   }
@@ -290,7 +290,7 @@ std::string trial_list(const ReportInput& input) {
   for (const TrialRecord& trial : input.trials) {
     const auto frame = frame_of.find(trial.trial);
     const bool is_framed = frame != frame_of.end();
-    if (trial.estimates.size() != study.solvers().size()) continue;
+    if (trial.estimates().size() != study.solvers().size()) continue;
     if (!is_framed && ++listed > kMostListed) continue;
     json["trial"].push_back(trial.trial);
     json["condition"].push_back(trial.condition);

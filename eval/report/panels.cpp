@@ -106,15 +106,15 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Infinite where there is no pose.
 double estimate_error(const TrialRecord& trial, size_t solver, double EstimateRecord::*error) {
-  if (solver >= trial.estimates.size()) return kInfinity;
-  const EstimateRecord& estimate = trial.estimates[solver];
+  if (solver >= trial.estimates().size()) return kInfinity;
+  const EstimateRecord& estimate = trial.estimates()[solver];
   return estimate.is_ok() && estimate.*error >= 0 ? estimate.*error : kInfinity;
 }
 
 // A mean over a trial's copies, in which a failed copy counts as the cap already.
 double copies_error(const TrialRecord& trial, size_t method, double OrientationRecord::*error) {
-  if (method >= trial.orientations.size()) return kInfinity;
-  const double value = trial.orientations[method].*error;
+  if (method >= trial.orientations().size()) return kInfinity;
+  const double value = trial.orientations()[method].*error;
   return value >= 0 ? value : kInfinity;
 }
 

@@ -28,7 +28,7 @@ namespace mustache = kainjow::mustache;
 std::vector<TargetView> views_of(const ReportInput& input) {
   std::vector<const TrialRecord*> left;
   for (const TrialRecord& trial : input.trials) {
-    if (!trial.observations.empty()) left.push_back(&trial);  // else it was not imaged
+    if (!trial.observations().empty()) left.push_back(&trial);  // else it was not imaged
   }
   RandomStream stream(input.study.seed, "report/silhouettes", 0);
   std::vector<TargetView> views;

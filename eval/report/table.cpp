@@ -190,7 +190,7 @@ mustache::data detail_groups(const ReportInput& input) {
 std::vector<std::vector<int64_t>> lost_trials(const ReportInput& input) {
   std::vector<std::vector<int64_t>> lost(input.study.conditions.size());
   for (const TrialRecord& trial : input.trials) {
-    if (trial.observations.empty()) lost[trial.condition].push_back(trial.trial);
+    if (trial.observations().empty()) lost[trial.condition].push_back(trial.trial);
   }
   return lost;
 }

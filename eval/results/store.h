@@ -15,7 +15,7 @@
 
 namespace sightline {
 
-/// The trials of one run in one SQLite file (schema in docs/store.md, its version in the file's
+/// The trials of one run in one SQLite file (schema in docs/columns.md, its version in the file's
 /// user_version). One writer a file; readers may look meanwhile. What is read back equals what was
 /// added bit by bit (any NaN as the quiet NaN), so that joined shards equal one run. Throws
 /// InputError when the file cannot be made, read or written.
@@ -28,7 +28,8 @@ class Store {
                       const std::map<std::string, std::string>& meta);
   /// Opens a store that exists, to read it or to add to it; a write-protected file
   /// can be read. What a killed writer left half written is rolled back. Throws InputError for a
-  /// file that is not a store of this version.
+  /// file that is not a store. Of a store of an older schema, the columns that it lacks read as
+  /// empty; to add to it gives it those columns.
   static Store open(const std::filesystem::path& file);
 
   Store(Store&&) noexcept;

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr int64_t kMostTrialsDrawn = 100'000;
 
 bool could_be_run(const TrialRecord& trial) {
-  return !trial.observations.empty() || !trial.orientations.empty();
+  return !trial.observations().empty() || !trial.orientations().empty();
 }
 
 // The trials of a store one by one, counted: `result` knows them all after one pass.

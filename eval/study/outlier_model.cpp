@@ -19,7 +19,7 @@ using Json = nlohmann::ordered_json;
 
 std::vector<OutlierModel::Failure> failures_of(const TrialRecord& trial) {
   std::vector<OutlierModel::Failure> failures;
-  for (const ObservationRecord& o : trial.observations) {
+  for (const ObservationRecord& o : trial.observations()) {
     if (o.is_outlier) failures.push_back({o.feature, false, o.pixel - o.true_pixel});
     if (!o.is_found() && o.is_visible) failures.push_back({o.feature, true, {0, 0}});
   }
@@ -41,7 +41,7 @@ OutlierModel::Failure failure_from(const Json& json, const std::vector<std::stri
 OutlierModel outlier_model_of(std::span<const TrialRecord> trials) {
   OutlierModel model;
   for (const TrialRecord& trial : trials) {
-    if (trial.observations.empty()) continue;
+    if (trial.observations().empty()) continue;
     if (model.trials.size() == kMostModelTrials) break;
     model.trials.push_back(failures_of(trial));
   }

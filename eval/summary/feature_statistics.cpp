@@ -10,7 +10,7 @@ namespace sightline {
 
 void FeatureCounts::add(const TrialRecord& trial) {
   int visible = 0, inliers = 0;
-  for (const ObservationRecord& o : trial.observations) {
+  for (const ObservationRecord& o : trial.observations()) {
     visible += o.is_visible;
     inliers += o.is_visible && o.is_found() && !o.is_outlier;
   }
@@ -80,8 +80,8 @@ size_t FeatureStatistics::index_of(Features& features, const std::string& name, 
 
 void FeatureStatistics::add(const TrialRecord& trial) {
   Cell& cell = cells_.at(static_cast<size_t>(trial.condition));
-  for (size_t i = 0; i < trial.observations.size(); ++i) {
-    const ObservationRecord& observation = trial.observations[i];
+  for (size_t i = 0; i < trial.observations().size(); ++i) {
+    const ObservationRecord& observation = trial.observations()[i];
     const size_t here = index_of(cell.features, observation.feature, i, trial.condition);
     cell.features[here].add(observation);
     over_all_[index_of(over_all_, observation.feature, i, kAllConditions)].add(observation);

@@ -75,7 +75,7 @@ void LocalisationStatistics::end_trial() {
 }
 
 void LocalisationStatistics::add(const TrialRecord& trial) {
-  for (const ObservationRecord& observation : trial.observations) add(observation);
+  for (const ObservationRecord& observation : trial.observations()) add(observation);
   end_trial();
 }
 

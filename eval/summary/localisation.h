@@ -32,7 +32,7 @@ struct Localisation {
   Measured bias_u_px;  ///< mean error of the inliers
   Measured bias_v_px;
   Measured rms_sigmas;  ///< of the inliers' error in its own sigmas, one coordinate: 1 is honest
-  std::map<std::string, int64_t> labels;  ///< how many observations bear each label
+  std::map<ObservationLabel, int64_t> labels;  ///< how many observations bear each label
   /// Of the outliers: the 10th, 50th and 90th percentile of their distance from the truth, and the
   /// mean of the unit vectors towards them (long where they all lie to one side).
   std::array<double, 3> outlier_px{};
@@ -65,7 +65,7 @@ class LocalisationStatistics {
   TrialSums trial_;  // the trial that has not ended
   ClusteredRatio found_, outliers_, near_, seen_outliers_, squares_px2_, bias_u_px_, bias_v_px_,
       squares_sigmas_;
-  std::map<std::string, int64_t> labels_;
+  std::map<ObservationLabel, int64_t> labels_;
   int64_t visible_ = 0, found_count_ = 0, outlier_count_ = 0;
   double side_u_ = 0, side_v_ = 0;
   std::vector<double> outlier_px_, near_px_;  // of the first kMostKept

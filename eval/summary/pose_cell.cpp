@@ -43,9 +43,9 @@ void PoseCell::add_pose(const EstimateRecord& estimate) {
   false_removals_ += estimate.false_removals;
   missed_outliers_ += estimate.missed_outliers;
   exact_ += estimate.false_removals == 0 && estimate.missed_outliers == 0;
-  if (!estimate.covariance) return;
-  nees_.add(estimate.nees);
-  nees_covered_ += estimate.nees <= kChiSquared6At95;
+  if (!estimate.nees) return;
+  nees_.add(*estimate.nees);
+  nees_covered_ += *estimate.nees <= kChiSquared6At95;
 }
 
 NeesSummary PoseCell::nees_summary(const Study& study) const {

@@ -14,13 +14,15 @@ class Fingerprint {
  public:
   explicit Fingerprint(const TrialRecord& trial) {
     add(trial.true_cam_from_target);
-    add(trial.prior_cam_from_target);
-    for (const ObservationRecord& o : trial.observations) {
+    if (const auto* pose_trial = std::get_if<PoseTrial>(&trial.kind)) {
+      add(pose_trial->prior_cam_from_target);
+    }
+    for (const ObservationRecord& o : trial.observations()) {
       add(o.is_found());
       add(o.pixel.x());
       add(o.pixel.y());
     }
-    for (const OrientationRecord& o : trial.orientations) add(o.geodesic_deg);
+    for (const OrientationRecord& o : trial.orientations()) add(o.geodesic_deg);
   }
   uint64_t value() const { return value_; }
 
@@ -41,7 +43,7 @@ class Fingerprint {
 }  // namespace
 
 void Repeats::add(const TrialRecord& trial) {
-  if (trial.observations.empty() && trial.orientations.empty()) return;  // nothing was drawn
+  if (trial.observations().empty() && trial.orientations().empty()) return;  // nothing was drawn
   const uint64_t fingerprint = Fingerprint(trial).value();
   if (seen_.contains(fingerprint)) {
     ++count_;

@@ -80,7 +80,7 @@ class PoseSummariser {
     PoseCondition& condition = condition_of(trial);
     ++condition.trials;
     condition.repeats.add(trial);
-    for (const ObservationRecord& observation : trial.observations) condition.add(observation);
+    for (const ObservationRecord& observation : trial.observations()) condition.add(observation);
     features_.add(trial);
   }
 
@@ -97,7 +97,7 @@ class PoseSummariser {
     PoseCondition& condition = condition_of(trial);
     TrialReference reference;
     reference.outliers =
-        static_cast<int>(std::count_if(trial.observations.begin(), trial.observations.end(),
+        static_cast<int>(std::count_if(trial.observations().begin(), trial.observations().end(),
                                        [](const ObservationRecord& o) { return o.is_outlier; }));
     if (!bounds_.is_noiseless(trial.condition)) reference.oracle = pose_of(trial, kOracle);
     reference.bound = bounds_.of(trial);
@@ -160,7 +160,7 @@ struct MethodCell {
   CellErrorStatistics errors;
 
   void add(const TrialRecord& trial) {
-    for (const OrientationRecord& orientation : trial.orientations) {
+    for (const OrientationRecord& orientation : trial.orientations()) {
       if (orientation.method != method) continue;
       failures += orientation.failures > 0;
       failed_copies += orientation.failures;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <nlohmann/json.hpp>
 
@@ -22,6 +23,8 @@ Json measured_json(const Measured& measured) {
 }
 
 Json localisation_json(const Localisation& l) {
+  std::map<std::string, int64_t> labels;
+  for (const auto& [label, count] : l.labels) labels[std::string(to_string(label))] = count;
   return {
       {"visible", l.visible},
       {"found", l.found},
@@ -37,7 +40,7 @@ Json localisation_json(const Localisation& l) {
       {"rms_sigmas", measured_json(l.rms_sigmas)},
       {"outlier_px", {number(l.outlier_px[0]), number(l.outlier_px[1]), number(l.outlier_px[2])}},
       {"outlier_side", {number(l.outlier_side[0]), number(l.outlier_side[1])}},
-      {"labels", l.labels}};
+      {"labels", labels}};
 }
 
 // A key whose values are all whole numbers is a count or a number of a case, written as integers.

@@ -42,7 +42,7 @@ std::optional<TrialBound> TrialBounds::of(const TrialRecord& trial) const {
   if (is_noiseless(trial.condition)) return std::nullopt;
   std::vector<Eigen::Vector3d> points_m;
   std::vector<Eigen::Matrix2d> covariances_px2;
-  for (const ObservationRecord& o : trial.observations) {
+  for (const ObservationRecord& o : trial.observations()) {
     const auto position = positions_m_.find(o.feature);
     if (!o.is_found() || o.is_outlier || position == positions_m_.end()) continue;
     points_m.push_back(position->second);

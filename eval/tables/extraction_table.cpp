@@ -43,25 +43,19 @@ TextColumn column(const std::string& name, const std::vector<Localisation>& rows
 }
 
 // The labels that occur, right ones first.
-std::vector<std::string> labels_in(const std::vector<Localisation>& rows) {
-  const std::vector<std::string> order = {"inlier",      "wrong line", "wrong intersection",
-                                          "wrong point", "clutter",    "hidden",
-                                          "missing",     "absent"};
-  std::vector<std::string> found;
-  for (const std::string& label : order) {
-    const bool occurs = std::any_of(rows.begin(), rows.end(), [&](const Localisation& row) {
-      return row.labels.contains(label);
-    });
-    if (occurs) found.push_back(label);
+std::set<ObservationLabel> labels_in(const std::vector<Localisation>& rows) {
+  std::set<ObservationLabel> found;
+  for (const Localisation& row : rows) {
+    for (const auto& [label, count] : row.labels) found.insert(label);
   }
   return found;
 }
 
-TextColumn label_column(const std::string& label, const std::vector<Localisation>& rows) {
-  TextColumn column{label, {}};
+TextColumn label_column(ObservationLabel label, const std::vector<Localisation>& rows) {
+  TextColumn column{std::string(to_string(label)), {}};
   for (const Localisation& row : rows) {
     int64_t all = 0;
-    for (const auto& [name, count] : row.labels) all += count;
+    for (const auto& [other, count] : row.labels) all += count;
     const auto own = row.labels.find(label);
     const double count = own == row.labels.end() ? 0 : static_cast<double>(own->second);
     column.cells.push_back(percent(count / static_cast<double>(all)));
@@ -201,7 +195,7 @@ std::string failure_block(const FeatureStatistics& statistics) {
     rows.push_back(statistics.of_feature(feature));
   }
   std::vector<TextGroup> groups;
-  for (const std::string& label : labels_in(rows)) {
+  for (const ObservationLabel label : labels_in(rows)) {
     groups.push_back({"", {label_column(label, rows)}});
   }
   groups.push_back(outlier_group(rows));

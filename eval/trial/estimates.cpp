@@ -35,7 +35,7 @@ double reprojection_rms_px(const PoseProblem& problem, const PoseEstimate& estim
 void judge_removals(const TrialRecord& record, const FoundPoints& found,
                     const PoseEstimate& estimate, EstimateRecord& out) {
   for (size_t i = 0; i < found.slots.size(); ++i) {
-    const ObservationRecord& observation = record.observations[found.slots[i]];
+    const ObservationRecord& observation = record.observations()[found.slots[i]];
     const bool is_removed =
         std::binary_search(estimate.removed.begin(), estimate.removed.end(), static_cast<int>(i));
     if (is_removed) out.removed.push_back(observation.feature);
@@ -69,18 +69,26 @@ double nees_of(const Pose& pose, const Pose& truth, const Matrix6d& covariance) 
   return factor.matrixL().solve(error.cwiseQuotient(scale)).squaredNorm();
 }
 
+// What the solver itself says of its pose.
+void keep_diagnosis(const Diagnosis& diagnosis, EstimateRecord& out) {
+  out.is_ambiguous = diagnosis.is_ambiguous;
+  out.removed_probability = diagnosis.removed_probability;
+  out.is_removal_limit_reached = diagnosis.is_removal_limit_reached;
+  out.is_test_failed = diagnosis.is_test_failed;
+}
+
 EstimateRecord solve(const PoseStudy& study, const PoseSolver& solver, const std::string& name,
                      const FoundPoints& found, const TrialRecord& record) {
   PoseProblem problem = found.problem;
   if (solver.evaluation_only) {
     for (const int slot : found.slots) {
-      problem.true_inliers.push_back(!record.observations[slot].is_outlier);
+      problem.true_inliers.push_back(!record.observations()[slot].is_outlier);
     }
   }
   const PoseEstimate estimate = solver.solve(problem, study.solving.options);
   EstimateRecord out;
   out.solver = name;
-  out.status = to_string(estimate.status);
+  out.status = from_string<EstimateOutcome>(to_string(estimate.status));
   if (estimate.status != PoseStatus::kOk) return out;
 
   const Pose& pose = estimate.cam_from_target;
@@ -98,6 +106,7 @@ EstimateRecord solve(const PoseStudy& study, const PoseSolver& solver, const std
   judge_removals(record, found, estimate, out);
   out.covariance = reported_covariance(problem, estimate);
   if (out.covariance) out.nees = nees_of(pose, truth, *out.covariance);
+  if (estimate.diagnosis) keep_diagnosis(*estimate.diagnosis, out);
   return out;
 }
 
@@ -106,7 +115,7 @@ template <typename Choice>
 FoundPoints at_truth(const FoundPoints& found, const TrialRecord& record, const Choice& is_moved) {
   FoundPoints out = found;
   for (size_t i = 0; i < found.slots.size(); ++i) {
-    const ObservationRecord& observation = record.observations[found.slots[i]];
+    const ObservationRecord& observation = record.observations()[found.slots[i]];
     if (is_moved(observation)) out.problem.pixels[i] = observation.true_pixel;
   }
   return out;
@@ -119,7 +128,7 @@ FoundPoints inliers_of(const FoundPoints& found, const TrialRecord& record) {
   out.problem.covariances_px2.clear();
   out.slots.clear();
   for (size_t i = 0; i < found.slots.size(); ++i) {
-    if (record.observations[found.slots[i]].is_outlier) continue;
+    if (record.observations()[found.slots[i]].is_outlier) continue;
     out.problem.points_in_target.push_back(found.problem.points_in_target[i]);
     out.problem.pixels.push_back(found.problem.pixels[i]);
     if (!found.problem.covariances_px2.empty()) {
@@ -138,9 +147,9 @@ FoundPoints with_noise_alone(const FoundPoints& found, const TrialRecord& record
   const FoundPoints inliers = inliers_of(found, record);
   if (inliers.slots.empty()) return out;
   for (size_t i = 0; i < found.slots.size(); ++i) {
-    if (!is_outlier(record.observations[found.slots[i]])) continue;
+    if (!is_outlier(record.observations()[found.slots[i]])) continue;
     const uint64_t drawn = (uint64_t{stream.bits()} * inliers.slots.size()) >> 32;
-    const ObservationRecord& inlier = record.observations[inliers.slots[drawn]];
+    const ObservationRecord& inlier = record.observations()[inliers.slots[drawn]];
     out.problem.pixels[i] += inlier.pixel - inlier.true_pixel;
   }
   return out;
@@ -178,7 +187,7 @@ std::vector<EstimateRecord> estimates_of(const PoseStudy& study, uint64_t seed,
   return estimates;
 }
 
-std::vector<EstimateRecord> failed_estimates(const Solving& solving, const std::string& reason) {
+std::vector<EstimateRecord> failed_estimates(const Solving& solving, EstimateOutcome reason) {
   std::vector<EstimateRecord> estimates;
   for (const std::string& name : solving.names()) {
     EstimateRecord& estimate = estimates.emplace_back();

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "eval/records/records.h"
@@ -23,6 +22,6 @@ std::vector<EstimateRecord> estimates_of(const PoseStudy& study, uint64_t seed,
                                          const FoundPoints& found, const TrialRecord& record);
 
 /// The estimates of a trial without observations: every solver failed, for that reason.
-std::vector<EstimateRecord> failed_estimates(const Solving& solving, const std::string& reason);
+std::vector<EstimateRecord> failed_estimates(const Solving& solving, EstimateOutcome reason);
 
 }  // namespace sightline

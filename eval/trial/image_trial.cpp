@@ -37,12 +37,12 @@ std::vector<ObservationRecord> compare_with_truth(const ImageStudy& study, const
     const FeatureTruth& truth = trial.frame.truth.target().features[observation.feature];
     ObservationRecord record;
     record.feature = study.target->features[observation.feature].name;
-    record.status = to_string(observation.status);
+    record.status = from_string<ObservationOutcome>(to_string(observation.status));
     record.true_pixel = truth.pixel;
     const LabelledObservation labelled =
         label(observation, trial.scene, trial.frame, study.setup_of(trial.record.condition).limits);
     record.is_visible = labelled.is_visible;
-    record.label = to_string(labelled.label);
+    record.label = labelled.label;
     if (record.is_found()) {
       record.pixel = observation.pixel;
       record.error_px = labelled.error_px;
@@ -54,25 +54,26 @@ std::vector<ObservationRecord> compare_with_truth(const ImageStudy& study, const
   return records;
 }
 
-// Scene and frame of a trial, drawn and rendered. Returns why there is none; empty where there is.
-std::string render_frame(const ImageStudy& study, uint64_t seed, Renderer& renderer, Trial& trial) {
+// Scene and frame of a trial, drawn and rendered. Returns why there is none.
+std::optional<EstimateOutcome> render_frame(const ImageStudy& study, uint64_t seed,
+                                            Renderer& renderer, Trial& trial) {
   const ImageCell& cell = study.cells[trial.record.condition];
   const int64_t draw = study.draw_of(trial.record.trial);
   const DrawnScene drawn = draw_scene(study.setups[cell.setup].scene, cell.pose, seed, draw);
   trial.scene = drawn.scene;
   trial.record.redraws = drawn.redraws;
-  if (!drawn.is_imageable) return "not imaged";
+  if (!drawn.is_imageable) return EstimateOutcome::kNotImaged;
   trial.frame = renderer.render(trial.scene, RandomStream(seed, "sensor", draw));
-  return "";
+  return std::nullopt;
 }
 
 // The same from a data set.
-std::string read_frame(const ImageStudy& study, Trial& trial) {
+std::optional<EstimateOutcome> read_frame(const ImageStudy& study, Trial& trial) {
   SetFrame shown =
       read_set_frame(study.target, study.setup_of(trial.record.condition).scene.sensor.bits,
                      study.sighting_of(trial.record.trial));
   trial.scene = std::move(shown.scene);
-  if (shown.problem.empty()) trial.frame = std::move(shown.frame);
+  if (!shown.problem) trial.frame = std::move(shown.frame);
   return shown.problem;
 }
 
@@ -93,16 +94,16 @@ Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Ren
   TrialRecord& record = trial.record;
   record.trial = index;
   record.condition = static_cast<int>(index % study.cells.size());
-  std::string problem =
+  std::optional<EstimateOutcome> problem =
       study.sighted ? read_frame(study, trial) : render_frame(study, seed, renderer, trial);
   record.true_cam_from_target = trial.scene.cam_from_target;
-  if (problem.empty()) {
+  if (!problem) {
     const std::optional<Pose> prior = prior_for(study, seed, trial);
-    if (prior) record.prior_cam_from_target = *prior;
-    if (!prior) problem = "no prior";
+    if (prior) record.pose_trial().prior_cam_from_target = *prior;
+    if (!prior) problem = EstimateOutcome::kNoPrior;
   }
-  if (!problem.empty()) {
-    record.estimates = failed_estimates(study.solving, problem);
+  if (problem) {
+    record.pose_trial().estimates = failed_estimates(study.solving, *problem);
     return trial;
   }
   extract_and_solve(study, seed, trial, renderer);
@@ -111,13 +112,14 @@ Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Ren
 
 void extract_and_solve(const ImageStudy& study, uint64_t seed, Trial& trial, Renderer& renderer) {
   TrialRecord& record = trial.record;
+  PoseTrial& pose_trial = record.pose_trial();
   Extraction extraction =
       extract_in_passes(study, study.setup_of(record.condition), trial.scene, trial.frame.image,
-                        record.prior_cam_from_target, renderer);
+                        pose_trial.prior_cam_from_target, renderer);
   trial.observations = std::move(extraction.observations);
-  record.observations = compare_with_truth(study, trial);
+  pose_trial.observations = compare_with_truth(study, trial);
   const FoundPoints found = found_points(study, trial, extraction.cam_from_target);
-  record.estimates = estimates_of(study, seed, found, record);
+  pose_trial.estimates = estimates_of(study, seed, found, record);
 }
 
 }  // namespace sightline

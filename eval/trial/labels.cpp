@@ -127,13 +127,6 @@ std::vector<OutlineSample> outline_of(const PredictedEdge& edge) {
 
 }  // namespace
 
-std::string_view to_string(ObservationLabel label) {
-  constexpr std::array<std::string_view, 8> kWords = {
-      "inlier",  "wrong line", "wrong intersection", "wrong point", "clutter", "hidden",
-      "missing", "absent"};
-  return kWords[static_cast<size_t>(label)];
-}
-
 LabelledObservation label(const Observation& observation, const Scene& scene, const Frame& frame,
                           const LabelLimits& limits) {
   const FeatureTruth& truth = frame.truth.target().features[observation.feature];

@@ -3,29 +3,14 @@
 #pragma once
 
 #include <limits>
-#include <string_view>
 
+#include "eval/records/names.h"
 #include "eval/study/label_limits.h"
 #include "features/observation.h"
 #include "renderer/frame.h"
 #include "scenes/scene/scene.h"
 
 namespace sightline {
-
-/// What an observation is, held against the truth.
-enum class ObservationLabel {
-  kInlier,             ///< found where the feature is
-  kWrongLine,          ///< a line was taken that is no edge of the feature
-  kWrongIntersection,  ///< both lines are edges of the feature, but meet far from it
-  kWrongPoint,         ///< another point of the target was taken for it
-  kClutter,            ///< what was taken is not of the target: background or another body
-  kHidden,             ///< something was found, though the feature is not to be seen
-  kMissing,            ///< nothing was found, though the feature is to be seen
-  kAbsent,             ///< nothing was found, and nothing is to be seen
-};
-
-/// Words for tables and files: "inlier", "wrong line", ...
-std::string_view to_string(ObservationLabel label);
 
 /// An observation against the truth; what does not apply is NaN.
 struct LabelledObservation {

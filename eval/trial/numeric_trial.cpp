@@ -32,7 +32,6 @@ std::vector<ObservationRecord> project_features(const NumericStudy& study,
     if (!pixel) return {};
     ObservationRecord& record = records.emplace_back();
     record.feature = of_target.name;
-    record.status = "found";
     record.is_visible = true;
     record.true_pixel = *pixel;
     record.pixel = *pixel;
@@ -75,7 +74,7 @@ void replay_failures(const OutlierModel& model, RandomStream& stream,
         [&](const ObservationRecord& candidate) { return candidate.feature == failure.feature; });
     if (record == records.end()) continue;
     if (failure.is_missing) {
-      record->status = "missing";
+      record->status = ObservationOutcome::kMissing;
     } else {
       record->pixel = record->true_pixel + failure.displacement_px;
       record->is_outlier = true;
@@ -106,17 +105,18 @@ void plant_outliers(const NumericStudy& study, int count, RandomStream& stream,
   }
 }
 
-FoundPoints all_points(const NumericStudy& study, const TrialRecord& record) {
+FoundPoints all_points(const NumericStudy& study, const NumericCell& cell, const PoseTrial& trial) {
   FoundPoints found;
   PoseProblem& problem = found.problem;
   problem.camera = study.camera;
-  if (study.solving.start == Start::kPrior)
-    problem.initial_cam_from_target = record.prior_cam_from_target;
-  if (study.is_sigma_known) problem.sigma_px = study.cells[record.condition].noise_px;
-  for (size_t i = 0; i < record.observations.size(); ++i) {
-    if (!record.observations[i].is_found()) continue;
+  if (study.solving.start == Start::kPrior) {
+    problem.initial_cam_from_target = trial.prior_cam_from_target;
+  }
+  if (study.is_sigma_known) problem.sigma_px = cell.noise_px;
+  for (size_t i = 0; i < trial.observations.size(); ++i) {
+    if (!trial.observations[i].is_found()) continue;
     problem.points_in_target.push_back(study.feature(static_cast<int>(i)).position_m);
-    problem.pixels.push_back(record.observations[i].pixel);
+    problem.pixels.push_back(trial.observations[i].pixel);
     found.slots.push_back(static_cast<int>(i));
   }
   return found;
@@ -132,29 +132,31 @@ TrialRecord run_numeric_trial(const NumericStudy& study, uint64_t seed, int64_t 
 
   RandomStream pose_stream(seed, "pose", index);
   record.true_cam_from_target = drawn_pose(study.poses, pose_stream);
-  record.observations = project_features(study, record.true_cam_from_target);
-  if (record.observations.empty()) {
-    record.estimates = failed_estimates(study.solving, "not imaged");
+  PoseTrial& trial = record.pose_trial();
+  trial.observations = project_features(study, record.true_cam_from_target);
+  if (trial.observations.empty()) {
+    trial.estimates = failed_estimates(study.solving, EstimateOutcome::kNotImaged);
     return record;
   }
   if (study.solving.start == Start::kPrior) {
     RandomStream prior_stream(seed, "prior", index);
-    record.prior_cam_from_target =
+    trial.prior_cam_from_target =
         draw_prior(record.true_cam_from_target, study.camera, study.prior, prior_stream);
   }
   RandomStream noise_stream(seed, "pixel", index);
-  add_noise(cell.noise_px, noise_stream, record.observations);
+  add_noise(cell.noise_px, noise_stream, trial.observations);
   RandomStream outlier_stream(seed, "outliers", index);
-  plant_outliers(study, cell.outliers, outlier_stream, record.observations);
-  for (ObservationRecord& observation : record.observations) {
+  plant_outliers(study, cell.outliers, outlier_stream, trial.observations);
+  for (ObservationRecord& observation : trial.observations) {
     if (observation.is_found()) {
       observation.error_px = (observation.pixel - observation.true_pixel).norm();
-      observation.label = observation.is_outlier ? "planted" : "inlier";
+      observation.label =
+          observation.is_outlier ? ObservationLabel::kPlanted : ObservationLabel::kInlier;
     } else {
-      observation.label = to_string(ObservationLabel::kMissing);
+      observation.label = ObservationLabel::kMissing;
     }
   }
-  record.estimates = estimates_of(study, seed, all_points(study, record), record);
+  trial.estimates = estimates_of(study, seed, all_points(study, cell, trial), record);
   return record;
 }
 }  // namespace sightline

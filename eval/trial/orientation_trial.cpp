@@ -54,7 +54,9 @@ double mean_angle_error_rad(const Eigen::Matrix3d& estimated, const Eigen::Matri
 // Adds one copy's errors to the sums. Not std::min alone: a NaN must count as the cap.
 void add_errors(const OrientationEstimate& estimate, const Pose& truth, OrientationRecord& sums) {
   const bool is_ok = estimate.status == OrientationStatus::kOk;
-  if (!is_ok && sums.failures++ == 0) sums.status = to_string(estimate.status);
+  if (!is_ok && sums.failures++ == 0) {
+    sums.status = from_string<EstimateOutcome>(to_string(estimate.status));
+  }
   const auto capped = [is_ok](double error, double cap) {
     return is_ok && error < cap ? error : cap;
   };
@@ -103,8 +105,9 @@ TrialRecord run_orientation_trial(const OrientationStudy& study, uint64_t seed, 
   const Eigen::Vector3d theta_deg = drawn_in_cube(180, draw_stream);
   const Pose b_from_a = pose_from(theta_deg, drawn_in_cube(pairs.translation_m, draw_stream));
   record.true_cam_from_target = b_from_a;
+  auto& orientations = record.kind.emplace<OrientationTrial>().orientations;
   for (const OrientationMethod* method : study.methods) {
-    record.orientations.emplace_back().method = method->name;
+    orientations.emplace_back().method = method->name;
   }
 
   RandomStream noise_stream(seed, "point noise", index);
@@ -112,13 +115,13 @@ TrialRecord run_orientation_trial(const OrientationStudy& study, uint64_t seed, 
     const Points points_in_b = noisy_copy(points_in_a, b_from_a, cell.noise_m, noise_stream);
     for (size_t i = 0; i < study.methods.size(); ++i) {
       const OrientationMethod& method = *study.methods[i];
-      OrientationRecord& sums = record.orientations[i];
+      OrientationRecord& sums = orientations[i];
       add_errors(method.estimate(points_in_a, points_in_b), b_from_a, sums);
       if (copy > 0 || pairs.timed_repeats == 0) continue;
       sums.time_ns = mean_time_ns(method, points_in_a, points_in_b, pairs.timed_repeats);
     }
   }
-  for (OrientationRecord& sums : record.orientations) divide_by(pairs.copies, sums);
+  for (OrientationRecord& sums : orientations) divide_by(pairs.copies, sums);
   return record;
 }
 

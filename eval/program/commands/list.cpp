@@ -41,7 +41,8 @@ void add_list(CLI::App& app) {
   CLI::App* sub = app.add_subcommand(
       "list", "List targets, extractors, solvers, methods and studies, or the keys of files");
   sub->add_option("what", arguments->what,
-                  "targets, extractors, solvers, methods, studies or keys; all but keys without");
+                  "targets, extractors, solvers, methods, studies, keys or columns (of results); without: all "
+                  "but the last two");
   sub->add_option("table", arguments->table, "Of keys: their table, for example image [all]");
   sub->add_flag("--markdown", arguments->is_markdown, "Of keys: as the page docs/keys.md");
   sub->callback([arguments] { print_list(*arguments); });

@@ -141,8 +141,8 @@ TEST_F(ForeignSet, ShowsItsCubeWhereItsPosesSay) {
   for (int i = 0; i < 2; ++i) {
     const TrialRecord record = run_trial(study, i, renderer).record;
     EXPECT_GE(inliers_of(record), 5) << i;
-    ASSERT_TRUE(record.estimates[0].is_ok());
-    EXPECT_LT(record.estimates[0].geodesic_deg, 1) << i;
+    ASSERT_TRUE(record.estimates()[0].is_ok());
+    EXPECT_LT(record.estimates()[0].geodesic_deg, 1) << i;
   }
 }
 

@@ -92,7 +92,7 @@ std::vector<TrialRecord> ramp(const Study& study, int count) {
     trials[i].true_cam_from_target.rotation =
         rotation_from_attitude({0.02 * (i % 20), 0.1 * (i / 20), 0});
     for (const double more : {0.0, 0.5}) {
-      EstimateRecord& estimate = trials[i].estimates.emplace_back();
+      EstimateRecord& estimate = trials[i].pose_trial().estimates.emplace_back();
       estimate.theta_error_deg = 0.1 * (i + 1) + more;
       estimate.geodesic_deg = estimate.theta_error_deg;
       estimate.t_error_percent = 1;
@@ -117,8 +117,8 @@ const Chart& named(const std::vector<Chart>& charts, const std::string& id) {
 
 TEST(CumulativeCharts, CountEveryTrialAndEndAtTheCap) {
   Inputs inputs;
-  inputs.trials[0].estimates[0].status = "diverged";
-  inputs.trials[1].estimates[0].theta_error_deg = 25;
+  inputs.trials[0].pose_trial().estimates[0].status = EstimateOutcome::kDiverged;
+  inputs.trials[1].pose_trial().estimates[0].theta_error_deg = 25;
   const std::vector<Chart> charts = cumulative_charts(inputs.input());
   EXPECT_EQ(charts.size(), 2u * 7);  // two errors; all and six conditions
   const ChartSeries& all = named(charts, "cumulative-theta-1").series[0];
@@ -134,7 +134,7 @@ TEST(CumulativeCharts, CountEveryTrialAndEndAtTheCap) {
 TEST(CumulativeCharts, AreThinnedToQuantiles) {
   Inputs inputs;
   inputs.trials = ramp(inputs.study, 1000);
-  for (TrialRecord& trial : inputs.trials) trial.estimates[0].theta_error_deg /= 10;
+  for (TrialRecord& trial : inputs.trials) trial.pose_trial().estimates[0].theta_error_deg /= 10;
   const ChartSeries series = cumulative_charts(inputs.input())[0].series[0];
   ASSERT_EQ(series.x.size(), 202u);
   EXPECT_NEAR(series.x[100], 5, 1e-9);  // half of the trials
@@ -151,7 +151,8 @@ TEST(BoxCharts, DrawQuantilesUpToTheCap) {
   EXPECT_NEAR(box.low[0], 2.6, 1e-12);
   EXPECT_NEAR(box.y[0], 5.1, 1e-12);
   EXPECT_NEAR(box.most[0], 9.6, 1e-12);
-  for (TrialRecord& trial : inputs.trials) trial.estimates[0].status = "diverged";
+  for (TrialRecord& trial : inputs.trials)
+    trial.pose_trial().estimates[0].status = EstimateOutcome::kDiverged;
   EXPECT_EQ(boxes_charts(inputs.input())[0].series[0].y[0], kAngleCapDeg);
 }
 
@@ -163,7 +164,7 @@ TEST(PairedCharts, SubtractTrialByTrial) {
   EXPECT_THAT(chart.title, HasSubstr("from ORPE"));
   EXPECT_EQ(chart.series[0].label, "LSPE");
   EXPECT_THAT(chart.series[0].y, Pointwise(DoubleNear(1e-9), {-0.5, -0.5, -0.5}));
-  inputs.trials[0].estimates[0].status = "diverged";  // the cap
+  inputs.trials[0].pose_trial().estimates[0].status = EstimateOutcome::kDiverged;  // the cap
   const Chart failed = named(paired_charts(inputs.input()), "paired-theta-1");
   EXPECT_NEAR(failed.series[0].y[2], (20 - 0.6 - 9 * 0.5) / 10, 1e-9);
   numeric_of(inputs.study).solving.solvers.resize(1);

@@ -162,7 +162,7 @@ Verdict verdict_of(const Comparison& comparison, const std::string& quantity) {
 
 double mean_reprojection_px(const Flow& flow) {
   double sum = 0;
-  for (const TrialRecord& trial : flow.trials) sum += trial.estimates[0].reprojection_rms_px;
+  for (const TrialRecord& trial : flow.trials) sum += trial.estimates()[0].reprojection_rms_px;
   return sum / static_cast<double>(flow.trials.size());
 }
 
@@ -236,8 +236,8 @@ TEST_F(Audit, ATransposedRotationIsNoticed) {
 TEST_F(Audit, ASolverThatReturnsItsStartIsNoticed) {
   const Flow flow = flow_with(kItsStart);
   for (const TrialRecord& trial : flow.trials) {
-    EXPECT_DOUBLE_EQ(trial.estimates[0].geodesic_deg,
-                     geodesic_angle_rad(trial.prior_cam_from_target.rotation,
+    EXPECT_DOUBLE_EQ(trial.estimates()[0].geodesic_deg,
+                     geodesic_angle_rad(trial.pose_trial().prior_cam_from_target.rotation,
                                         trial.true_cam_from_target.rotation) /
                          kRadPerDeg);
   }
@@ -290,7 +290,7 @@ TEST_F(Audit, AFailureWithoutAnEstimateCountsAllTheSame) {
   const Flow honest = failing_flow();
   Flow silent = honest;
   for (TrialRecord& trial : silent.trials) {
-    std::erase_if(trial.estimates, [](const EstimateRecord& e) { return !e.is_ok(); });
+    std::erase_if(trial.pose_trial().estimates, [](const EstimateRecord& e) { return !e.is_ok(); });
   }
   EXPECT_EQ(to_json(silent.study, silent.summary()), to_json(honest.study, honest.summary()));
 }
@@ -298,7 +298,7 @@ TEST_F(Audit, AFailureWithoutAnEstimateCountsAllTheSame) {
 TEST_F(Audit, TrialsDroppedForTheirFailureAreNoticed) {
   const Flow honest = failing_flow();
   Flow dropped = honest;
-  std::erase_if(dropped.trials, [](const TrialRecord& t) { return !t.estimates[0].is_ok(); });
+  std::erase_if(dropped.trials, [](const TrialRecord& t) { return !t.estimates()[0].is_ok(); });
   EXPECT_LT(dropped.cell().geodesic_deg.mean, honest.cell().geodesic_deg.mean_ci95[0]);
   const auto left = static_cast<int>(dropped.trials.size());
   EXPECT_THAT(to_table(dropped.study, dropped.summary()),
@@ -400,10 +400,10 @@ TEST_F(ImageAudit, ABlankFrameIsOneOfFailures) {
   const Localisation none = localisation_of(blank);
   EXPECT_GT(none.visible, 0);
   EXPECT_EQ(none.found, 0);
-  EXPECT_EQ(none.labels.at("missing"), none.visible);
+  EXPECT_EQ(none.labels.at(ObservationLabel::kMissing), none.visible);
   for (const TrialRecord& trial : blank) {
-    for (const ObservationRecord& o : trial.observations) EXPECT_FALSE(o.status.empty());
-    EXPECT_EQ(trial.estimates[0].status, "too_few_points");
+    for (const ObservationRecord& o : trial.observations()) EXPECT_FALSE(o.is_found());
+    EXPECT_EQ(trial.estimates()[0].status, EstimateOutcome::kTooFewPoints);
   }
   const Summary summary = summarise(study_, blank);
   EXPECT_EQ(summary.cells[0].failures, 5);

@@ -21,7 +21,7 @@ ObservationRecord record(const std::string& feature, bool is_found, bool is_outl
                          const Eigen::Vector2d& error) {
   ObservationRecord out;
   out.feature = feature;
-  out.status = is_found ? "found" : "too few edge pixels";
+  if (!is_found) out.status = ObservationOutcome::kTooFewEdgePixels;
   out.is_visible = true;
   out.true_pixel = {100, 50};
   out.pixel = out.true_pixel + error;
@@ -31,10 +31,10 @@ ObservationRecord record(const std::string& feature, bool is_found, bool is_outl
 
 std::vector<TrialRecord> three_trials() {
   std::vector<TrialRecord> trials(3);
-  trials[0].observations = {record("vertex_0", true, true, {20, -3}),
-                            record("vertex_1", true, false, {1, 1})};
-  trials[1].observations = {record("vertex_0", true, false, {0, 0}),
-                            record("vertex_1", false, false, {0, 0})};
+  trials[0].pose_trial().observations = {record("vertex_0", true, true, {20, -3}),
+                                         record("vertex_1", true, false, {1, 1})};
+  trials[1].pose_trial().observations = {record("vertex_0", true, false, {0, 0}),
+                                         record("vertex_1", false, false, {0, 0})};
   return trials;  // the third could not be imaged
 }
 
@@ -84,8 +84,8 @@ TEST(OutlierModel, ANumericStudyReplaysItsTrials) {
   const std::string first = cube.target->features[cube.features[0]].name;
   const std::string second = cube.target->features[cube.features[1]].name;
   std::vector<TrialRecord> measured(2);
-  measured[0].observations = {record(first, true, true, {20, -3})};
-  measured[1].observations = {record(second, false, false, {0, 0})};
+  measured[0].pose_trial().observations = {record(first, true, true, {20, -3})};
+  measured[1].pose_trial().observations = {record(second, false, false, {0, 0})};
   const auto file = write(folder, to_json(outlier_model_of(measured), "measured"));
 
   const Study study = read_study(
@@ -93,16 +93,16 @@ TEST(OutlierModel, ANumericStudyReplaysItsTrials) {
   int displaced = 0, missing = 0;
   for (int i = 0; i < 50; ++i) {
     const TrialRecord trial = run_numeric_trial(study, i);
-    const ObservationRecord& a = trial.observations[0];
-    const ObservationRecord& b = trial.observations[1];
+    const ObservationRecord& a = trial.observations()[0];
+    const ObservationRecord& b = trial.observations()[1];
     EXPECT_NE(a.is_outlier, !b.is_found()) << i;  // one of the two trials, never both
     if (a.is_outlier) {
       ++displaced;
       EXPECT_TRUE((a.pixel - a.true_pixel).isApprox(Eigen::Vector2d(20, -3), 1e-9));
-      EXPECT_EQ(a.label, "planted");
+      EXPECT_EQ(a.label, ObservationLabel::kPlanted);
     } else {
       ++missing;
-      EXPECT_EQ(b.label, "missing");
+      EXPECT_EQ(b.label, ObservationLabel::kMissing);
     }
   }
   EXPECT_GT(displaced, 10);

@@ -206,9 +206,9 @@ TEST(Trial, DependsOnNothingButStudyAndIndex) {
   run_trial(study, 0, other);  // another history
   const Trial a = run_trial(study, 5, one);
   const Trial b = run_trial(study, 5, other);
-  ASSERT_EQ(a.record.estimates.size(), b.record.estimates.size());
-  for (size_t i = 0; i < a.record.estimates.size(); ++i) {
-    EXPECT_EQ(a.record.estimates[i].geodesic_deg, b.record.estimates[i].geodesic_deg);
+  ASSERT_EQ(a.record.estimates().size(), b.record.estimates().size());
+  for (size_t i = 0; i < a.record.estimates().size(); ++i) {
+    EXPECT_EQ(a.record.estimates()[i].geodesic_deg, b.record.estimates()[i].geodesic_deg);
   }
   const Trial c = run_trial(study, 1, one);  // the same pose, another draw
   EXPECT_EQ(c.record.condition, a.record.condition);
@@ -227,9 +227,9 @@ TEST(Trial, ErrsLittleWhenNothingIsInTheWay) {
   for (int64_t i = 0; i < study.trial_count(); ++i) {
     const Trial trial = run_trial(study, i, renderer);
     EXPECT_EQ(geodesic_angle_rad(trial.record.true_cam_from_target.rotation,
-                                 trial.record.prior_cam_from_target.rotation),
+                                 trial.record.pose_trial().prior_cam_from_target.rotation),
               0);
-    for (const EstimateRecord& estimate : trial.record.estimates) {
+    for (const EstimateRecord& estimate : trial.record.estimates()) {
       if (estimate.solver == "oracle" && estimate.is_ok()) {
         EXPECT_LT(estimate.t_error_percent, 2);
       }

@@ -14,8 +14,7 @@ namespace {
 ObservationRecord found(const Eigen::Vector2d& error, bool is_outlier = false) {
   ObservationRecord o;
   o.feature = "corner";
-  o.status = "found";
-  o.label = is_outlier ? "wrong line" : "inlier";
+  o.label = is_outlier ? ObservationLabel::kWrongLine : ObservationLabel::kInlier;
   o.is_visible = true;
   o.pixel = error;
   o.error_px = error.norm();
@@ -27,8 +26,8 @@ ObservationRecord found(const Eigen::Vector2d& error, bool is_outlier = false) {
 ObservationRecord missing() {
   ObservationRecord o;
   o.feature = "corner";
-  o.status = "no corner";
-  o.label = "missing";
+  o.status = ObservationOutcome::kNoCorner;
+  o.label = ObservationLabel::kMissing;
   o.is_visible = true;
   return o;
 }
@@ -87,8 +86,8 @@ TEST(ClusteredRatio, CoversTheTruthOfClusteredDraws) {
 TEST(Localisation, SeparatesFoundRateOutliersBiasAndNoise) {
   LocalisationStatistics statistics;
   TrialRecord a, b;
-  a.observations = {found({1, 0}), found({3, 0}), missing(), found({20, 0}, true)};
-  b.observations = {found({1, 2}), found({3, 2}), missing(), missing()};
+  a.pose_trial().observations = {found({1, 0}), found({3, 0}), missing(), found({20, 0}, true)};
+  b.pose_trial().observations = {found({1, 2}), found({3, 2}), missing(), missing()};
   statistics.add(a);
   statistics.add(b);
   const Localisation all = statistics.summary();
@@ -100,9 +99,9 @@ TEST(Localisation, SeparatesFoundRateOutliersBiasAndNoise) {
   EXPECT_DOUBLE_EQ(all.bias_v_px.value, 1);
   EXPECT_DOUBLE_EQ(all.rms_px.value, std::sqrt((1 + 9 + 5 + 13) / 8.0));
   EXPECT_DOUBLE_EQ(all.rms_sigmas.value, 2 * all.rms_px.value);
-  EXPECT_EQ(all.labels.at("inlier"), 4);
-  EXPECT_EQ(all.labels.at("missing"), 3);
-  EXPECT_EQ(all.labels.at("wrong line"), 1);
+  EXPECT_EQ(all.labels.at(ObservationLabel::kInlier), 4);
+  EXPECT_EQ(all.labels.at(ObservationLabel::kMissing), 3);
+  EXPECT_EQ(all.labels.at(ObservationLabel::kWrongLine), 1);
   EXPECT_DOUBLE_EQ(all.outlier_px[1], 20);
   EXPECT_DOUBLE_EQ(all.outlier_side[0], 1);
   EXPECT_DOUBLE_EQ(all.outlier_side[1], 0);
@@ -110,8 +109,8 @@ TEST(Localisation, SeparatesFoundRateOutliersBiasAndNoise) {
 
 TEST(Localisation, OfOneFeatureLeavesTheOthersOut) {
   TrialRecord trial;
-  trial.observations = {found({1, 0}), found({3, 0})};
-  trial.observations[1].feature = "nose";
+  trial.pose_trial().observations = {found({1, 0}), found({3, 0})};
+  trial.pose_trial().observations[1].feature = "nose";
   const std::string nose = "nose";
   LocalisationStatistics statistics;
   statistics.add(trial, std::span(&nose, 1));
@@ -121,9 +120,11 @@ TEST(Localisation, OfOneFeatureLeavesTheOthersOut) {
 
 TEST(Localisation, WhatIsNearIsCountedOfWhatIsToBeSeen) {
   TrialRecord trial;
-  trial.observations = {found({1, 0}), found({0, 2}),   found({3.5, 0}),     found({20, 0}, true),
-                        missing(),     found({0.5, 0}), found({30, 0}, true)};
-  trial.observations[5].is_visible = trial.observations[6].is_visible = false;
+  trial.pose_trial().observations = {found({1, 0}),        found({0, 2}), found({3.5, 0}),
+                                     found({20, 0}, true), missing(),     found({0.5, 0}),
+                                     found({30, 0}, true)};
+  trial.pose_trial().observations[5].is_visible = trial.pose_trial().observations[6].is_visible =
+      false;
   LocalisationStatistics statistics;
   statistics.add(trial);
   const Localisation all = statistics.summary();
@@ -138,13 +139,13 @@ TEST(Localisation, WhatIsNearIsCountedOfWhatIsToBeSeen) {
 TEST(FeatureCounts, KnowTheTrialWithTheFewest) {
   FeatureCounts counts;
   TrialRecord trial;
-  trial.observations.assign(5, found({1, 0}));
+  trial.pose_trial().observations.assign(5, found({1, 0}));
   counts.add(trial);
   EXPECT_EQ(counts.few_inliers, 0);
-  trial.observations[0] = missing();
-  trial.observations[1] = found({20, 0}, true);
-  trial.observations.push_back(found({1, 0}));
-  trial.observations.back().is_visible = false;
+  trial.pose_trial().observations[0] = missing();
+  trial.pose_trial().observations[1] = found({20, 0}, true);
+  trial.pose_trial().observations.push_back(found({1, 0}));
+  trial.pose_trial().observations.back().is_visible = false;
   counts.add(trial);
   EXPECT_EQ(counts.trials, 2);
   EXPECT_EQ(counts.fewest_visible, 5);

@@ -52,7 +52,6 @@ Study two_poses() {
 ObservationRecord found(const char* feature, double error_px, bool is_outlier = false) {
   ObservationRecord observation;
   observation.feature = feature;
-  observation.status = "found";
   observation.is_visible = true;
   observation.error_px = error_px;
   observation.is_outlier = is_outlier;
@@ -62,7 +61,7 @@ ObservationRecord found(const char* feature, double error_px, bool is_outlier = 
 ObservationRecord hidden(const char* feature) {
   ObservationRecord observation;
   observation.feature = feature;
-  observation.status = "hidden";
+  observation.status = ObservationOutcome::kHidden;
   return observation;
 }
 
@@ -79,7 +78,7 @@ EstimateRecord estimate(const char* solver, double geodesic_deg, int false_remov
 }
 
 // With numbers, which must not count.
-EstimateRecord failed(const char* solver, const char* reason) {
+EstimateRecord failed(const char* solver, EstimateOutcome reason) {
   EstimateRecord record = estimate(solver, 0.25, 7, 9);
   record.status = reason;
   record.removed = {"nonsense"};
@@ -90,27 +89,30 @@ EstimateRecord failed(const char* solver, const char* reason) {
 std::vector<TrialRecord> handmade_trials() {
   TrialRecord first;
   first.trial = 0;
-  first.observations = {found("a", 3), found("b", 4), found("c", 10, true)};
-  first.estimates = {estimate("orpe", 1), estimate("lspe", 3, 0, 1), estimate("oracle", 1)};
-  first.estimates[0].removed = {"c"};
+  first.pose_trial().observations = {found("a", 3), found("b", 4), found("c", 10, true)};
+  first.pose_trial().estimates = {estimate("orpe", 1), estimate("lspe", 3, 0, 1),
+                                  estimate("oracle", 1)};
+  first.pose_trial().estimates[0].removed = {"c"};
 
   TrialRecord second;
   second.trial = 2;
-  second.observations = {found("a", 5), hidden("b"), found("c", 20, true)};
-  second.estimates = {failed("orpe", "degenerate"), estimate("lspe", 4, 0, 1),
-                      estimate("oracle", 2)};
+  second.pose_trial().observations = {found("a", 5), hidden("b"), found("c", 20, true)};
+  second.pose_trial().estimates = {failed("orpe", EstimateOutcome::kDegenerate),
+                                   estimate("lspe", 4, 0, 1), estimate("oracle", 2)};
 
   TrialRecord third;
   third.trial = 4;
-  third.observations = {found("a", 0), found("b", 0), found("c", 0)};
-  third.estimates = {estimate("orpe", 2, 1, 0), estimate("lspe", 30), estimate("oracle", 2)};
-  third.estimates[0].removed = {"a", "b"};
+  third.pose_trial().observations = {found("a", 0), found("b", 0), found("c", 0)};
+  third.pose_trial().estimates = {estimate("orpe", 2, 1, 0), estimate("lspe", 30),
+                                  estimate("oracle", 2)};
+  third.pose_trial().estimates[0].removed = {"a", "b"};
 
   TrialRecord dark;
   dark.trial = 1;
   dark.condition = 1;
-  dark.estimates = {failed("orpe", "not imaged"), failed("lspe", "not imaged"),
-                    failed("oracle", "not imaged")};
+  dark.pose_trial().estimates = {failed("orpe", EstimateOutcome::kNotImaged),
+                                 failed("lspe", EstimateOutcome::kNotImaged),
+                                 failed("oracle", EstimateOutcome::kNotImaged)};
   return {first, dark, second, third};
 }
 
@@ -175,14 +177,15 @@ TEST(Summary, HasNoRatioWithoutAnOracle) {
   Study study = two_poses();
   images_of(study).solving.solvers.pop_back();
   std::vector<TrialRecord> trials = handmade_trials();
-  for (TrialRecord& trial : trials) trial.estimates.pop_back();
+  for (TrialRecord& trial : trials) trial.pose_trial().estimates.pop_back();
   const Summary summary = summarise(study, trials);
   EXPECT_TRUE(std::isnan(cell_of(summary, 0, "orpe").ratio_to_oracle));
 }
 
 TEST(Summary, LeavesTrialsWithoutAnOracleOutOfItsRatio) {
   std::vector<TrialRecord> trials = handmade_trials();
-  trials[2].estimates[2] = failed("oracle", "too_few_points");  // where orpe failed as well
+  trials[2].pose_trial().estimates[2] =
+      failed("oracle", EstimateOutcome::kTooFewPoints);  // where orpe failed as well
   const Summary summary = summarise(two_poses(), trials);
   EXPECT_DOUBLE_EQ(cell_of(summary, 0, "orpe").ratio_to_oracle, std::sqrt((1 + 4) / (1.0 + 4)));
   EXPECT_DOUBLE_EQ(cell_of(summary, 0, "oracle").ratio_to_oracle, 1);
@@ -196,10 +199,11 @@ std::vector<TrialRecord> cube_trials(double first_error_px, double other_error_p
     trials[i].true_cam_from_target = {rotation_from_vector({0.3, -0.4, 0.5}), {0.5, 0.2, 60}};
     for (int k = 0; k < 7; ++k) {
       const double error_px = k == 0 ? first_error_px : other_error_px;
-      trials[i].observations.push_back(
+      trials[i].pose_trial().observations.push_back(
           found(fmt::format("vertex_{}", k).c_str(), k == 6 ? 30 : error_px, k == 6));
     }
-    trials[i].estimates = {estimate("orpe", 1), estimate("lspe", 2), estimate("oracle", 0.5)};
+    trials[i].pose_trial().estimates = {estimate("orpe", 1), estimate("lspe", 2),
+                                        estimate("oracle", 0.5)};
   }
   return trials;
 }
@@ -240,7 +244,7 @@ TEST(Summary, WeighsEachFeatureInTheBoundByItsOwnNoise) {
 
 TEST(Summary, HasNoBoundWithoutEnoughInliers) {
   std::vector<TrialRecord> trials = cube_trials(1, 1);
-  for (TrialRecord& trial : trials) trial.observations.resize(2);
+  for (TrialRecord& trial : trials) trial.pose_trial().observations.resize(2);
   EXPECT_TRUE(std::isnan(summarise(cube_study(), trials).observations[0].bound_theta_deg));
 }
 
@@ -248,8 +252,9 @@ TEST(Summary, LeavesFeaturesThatTheTargetNoLongerHasOutOfTheBound) {
   const Study study = cube_study();
   std::vector<TrialRecord> with_stranger = cube_trials(2, 1);
   std::vector<TrialRecord> without = with_stranger;
-  for (TrialRecord& trial : with_stranger) trial.observations[0].feature = "chimney";
-  for (TrialRecord& trial : without) trial.observations.erase(trial.observations.begin());
+  for (TrialRecord& trial : with_stranger) trial.pose_trial().observations[0].feature = "chimney";
+  for (TrialRecord& trial : without)
+    trial.pose_trial().observations.erase(trial.pose_trial().observations.begin());
   const CellObservations expected = summarise(study, without).observations[0];
   const CellObservations cell = summarise(study, with_stranger).observations[0];
   EXPECT_GT(expected.bound_geodesic_deg, 0);
@@ -306,8 +311,10 @@ TEST(Summary, HasWilsonIntervalsOfItsRates) {
 TEST(Summary, SaysHowReportedCovariancesFit) {
   std::vector<TrialRecord> trials = handmade_trials();
   for (const size_t i : {0u, 2u, 3u}) {
-    trials[i].estimates[1].covariance.emplace().setIdentity();
-    trials[i].estimates[1].nees = i == 0 ? 12.5 : i == 2 ? 12.7 : 5.0;  // the bound is 12.59
+    trials[i].pose_trial().estimates[1].covariance.emplace().setIdentity();
+    trials[i].pose_trial().estimates[1].nees = i == 0   ? 12.5
+                                               : i == 2 ? 12.7
+                                                        : 5.0;  // the bound is 12.59
   }
   const Summary summary = summarise(two_poses(), trials);
   const NeesSummary& nees = cell_of(summary, 0, "lspe").nees;
@@ -323,7 +330,7 @@ TEST(Summary, SaysHowReportedCovariancesFit) {
 
 TEST(Summary, CountsAMissingEstimateAsAFailure) {
   std::vector<TrialRecord> trials = handmade_trials();
-  trials[0].estimates.erase(trials[0].estimates.begin());
+  trials[0].pose_trial().estimates.erase(trials[0].pose_trial().estimates.begin());
   EXPECT_EQ(cell_of(summarise(two_poses(), trials), 0, "orpe").failures, 2);
 }
 
@@ -341,7 +348,7 @@ TEST(Summary, DependsOnTheSeedInItsIntervalsAlone) {
   std::vector<TrialRecord> trials(30);
   for (int i = 0; i < 30; ++i) {
     trials[i].trial = i;
-    trials[i].estimates = {estimate("lspe", 0.1 * i * i)};
+    trials[i].pose_trial().estimates = {estimate("lspe", 0.1 * i * i)};
   }
   Study study = two_poses();
   const CellSummary before = cell_of(summarise(study, trials), 0, "lspe");
@@ -509,7 +516,8 @@ TEST(ResultsCsv, HasItsHeaderAndARowATrialAndSolver) {
             "trial,condition,noise_px,pose,solver,status,theta_error_deg,t_error_percent,"
             "geodesic_deg,reprojection_rms_px,add_m,mssd_m,mspd_px,nees,removed,false_removals,"
             "missed_outliers,found,outliers,qw,qx,qy,qz,tx_m,ty_m,tz_m,true_qw,true_qx,true_qy,"
-            "true_qz,true_tx_m,true_ty_m,true_tz_m");
+            "true_qz,true_tx_m,true_ty_m,true_tz_m,ambiguous,removed_probability,"
+            "removal_limit_reached,test_failed");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 12);
   EXPECT_EQ(csv.back(), '\n');
   std::vector<std::string> order;
@@ -551,8 +559,9 @@ TEST(ResultsCsv, ReadsBackTheSameNumbers) {
   std::vector<TrialRecord> trials = handmade_trials();
   RandomStream random(1, "csv", 0);
   trials[0].true_cam_from_target = {random.rotation(), 1300 * random.normal3()};
-  trials[0].estimates[0].cam_from_target = {random.rotation(), 1e-7 * random.normal3()};
-  trials[0].estimates[0].theta_error_deg = 1.0 / 3;
+  trials[0].pose_trial().estimates[0].cam_from_target = {random.rotation(),
+                                                         1e-7 * random.normal3()};
+  trials[0].pose_trial().estimates[0].theta_error_deg = 1.0 / 3;
   const Row row = rows_of(two_poses(), trials)[0];
   const auto value = [&row](const std::string& key) { return std::stod(row.at(key)); };
   const auto expect_pose = [&value](const std::string& prefix, const Pose& pose) {
@@ -564,7 +573,7 @@ TEST(ResultsCsv, ReadsBackTheSameNumbers) {
     EXPECT_EQ(quaternion, quaternion_wxyz(pose.rotation));
   };
   EXPECT_EQ(value("theta_error_deg"), 1.0 / 3);
-  expect_pose("", trials[0].estimates[0].cam_from_target);
+  expect_pose("", trials[0].pose_trial().estimates[0].cam_from_target);
   expect_pose("true_", trials[0].true_cam_from_target);
 }
 

@@ -33,17 +33,17 @@ Study small_study(const std::string& inputs = "[]") {
 }
 
 ObservationRecord seen(const std::string& feature, const Eigen::Vector2d& error,
-                       const std::string& label = "inlier") {
+                       ObservationLabel label = ObservationLabel::kInlier) {
   ObservationRecord o;
   o.feature = feature;
-  o.status = label == "missing" ? "too few edge pixels" : "found";
+  if (label == ObservationLabel::kMissing) o.status = ObservationOutcome::kTooFewEdgePixels;
   o.is_visible = true;
   o.true_pixel = {100, 100};
   o.pixel = o.true_pixel + error;
   o.error_px = error.norm();
   o.error_sigmas = error.norm() / 0.5;
   o.label = label;
-  o.is_outlier = label != "inlier" && label != "missing";
+  o.is_outlier = label != ObservationLabel::kInlier && o.is_found();
   return o;
 }
 
@@ -59,14 +59,14 @@ EstimateRecord estimate(const std::string& solver, double geodesic_deg) {
 std::vector<TrialRecord> four_trials() {
   std::vector<TrialRecord> trials(4);
   const std::vector<ObservationRecord> second = {
-      seen("vertex_1", {0.25, 0}), seen("vertex_1", {0, 0}, "missing"),
-      seen("vertex_1", {0, 8}, "wrong line"), seen("vertex_1", {0, 12}, "wrong line")};
+      seen("vertex_1", {0.25, 0}), seen("vertex_1", {0, 0}, ObservationLabel::kMissing),
+      seen("vertex_1", {0, 8}, ObservationLabel::kWrongLine), seen("vertex_1", {0, 12}, ObservationLabel::kWrongLine)};
   for (size_t i = 0; i < trials.size(); ++i) {
     trials[i].trial = static_cast<int64_t>(2 * i);
-    trials[i].observations = {seen("vertex_0", {0.25, 0}), second[i]};
-    trials[i].estimates = {estimate("lspe", 1.5), estimate("oracle", 0.5),
-                           estimate("lspe/exact", 0.001), estimate("lspe/noise", 0.25),
-                           estimate("lspe/inliers", 0.125)};
+    trials[i].pose_trial().observations = {seen("vertex_0", {0.25, 0}), second[i]};
+    trials[i].pose_trial().estimates = {estimate("lspe", 1.5), estimate("oracle", 0.5),
+                                        estimate("lspe/exact", 0.001), estimate("lspe/noise", 0.25),
+                                        estimate("lspe/inliers", 0.125)};
   }
   return trials;
 }
@@ -236,7 +236,7 @@ TEST(OutlierImpact, ExactProjectionsLeaveNoErrorAndOcclusionHidesFeatures) {
   std::vector<TrialRecord> trials;
   for (int64_t i = 0; i < study.trial_count(); ++i) {
     trials.push_back(run_trial(study, i, renderer).record);
-    for (const EstimateRecord& e : trials.back().estimates) EXPECT_TRUE(e.is_ok()) << e.solver;
+    for (const EstimateRecord& e : trials.back().estimates()) EXPECT_TRUE(e.is_ok()) << e.solver;
     EXPECT_LT(find_estimate(trials.back(), "lspe/exact")->geodesic_deg, 1e-6);
     EXPECT_GT(find_estimate(trials.back(), "lspe")->geodesic_deg, 1e-3);
   }

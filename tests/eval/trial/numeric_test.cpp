@@ -51,7 +51,7 @@ std::string study_error(const std::string& name, const Settings& settings) {
 
 std::vector<ObservationRecord> outliers_of(const TrialRecord& trial) {
   std::vector<ObservationRecord> outliers;
-  for (const ObservationRecord& o : trial.observations) {
+  for (const ObservationRecord& o : trial.observations()) {
     if (o.is_outlier) outliers.push_back(o);
   }
   return outliers;
@@ -153,13 +153,13 @@ TEST(NumericTrial, DependsOnNothingButStudyAndIndex) {
   const Study large = study_with("cube-noise", 5);
   const TrialRecord a = run_numeric_trial(small, 12);
   const TrialRecord b = run_numeric_trial(large, 12);
-  ASSERT_EQ(a.observations.size(), 8u);
-  for (size_t i = 0; i < a.observations.size(); ++i) {
-    EXPECT_EQ(a.observations[i].pixel, b.observations[i].pixel);
-    EXPECT_EQ(a.observations[i].is_outlier, b.observations[i].is_outlier);
+  ASSERT_EQ(a.observations().size(), 8u);
+  for (size_t i = 0; i < a.observations().size(); ++i) {
+    EXPECT_EQ(a.observations()[i].pixel, b.observations()[i].pixel);
+    EXPECT_EQ(a.observations()[i].is_outlier, b.observations()[i].is_outlier);
   }
-  for (size_t i = 0; i < a.estimates.size(); ++i) {
-    EXPECT_EQ(a.estimates[i].geodesic_deg, b.estimates[i].geodesic_deg);
+  for (size_t i = 0; i < a.estimates().size(); ++i) {
+    EXPECT_EQ(a.estimates()[i].geodesic_deg, b.estimates()[i].geodesic_deg);
   }
   const TrialRecord c = run_numeric_trial(small, 3);
   EXPECT_EQ(c.condition, a.condition);
@@ -192,7 +192,7 @@ TEST(NumericTrial, NoiseHasTheStatedDeviation) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   int count = 0;
   for (const TrialRecord& trial : run_all(study)) {
-    for (const ObservationRecord& o : trial.observations) {
+    for (const ObservationRecord& o : trial.observations()) {
       const Eigen::Vector2d noise = o.pixel - o.true_pixel;  // of 1 px: 2 px halved
       EXPECT_DOUBLE_EQ(o.error_px, noise.norm());
       squares += noise.squaredNorm();
@@ -219,7 +219,7 @@ TEST(NumericTrial, PlantsUniformOutliersOfTheStatedSize) {
       greatest = std::max(greatest, o.error_px);
     }
     EXPECT_NE(outliers[0].error_px, outliers[1].error_px);
-    for (const ObservationRecord& o : trial.observations) {
+    for (const ObservationRecord& o : trial.observations()) {
       EXPECT_EQ(o.error_px == 0, !o.is_outlier);
     }
   }
@@ -416,13 +416,14 @@ TEST(OrientationTrial, CountsACopyWithoutARotationAsTheCap) {
   EXPECT_EQ(cell.failed_copies, 10);
   EXPECT_EQ(cell.geodesic_deg.mean, kAngleCapDeg);
   EXPECT_EQ(summary.cells[0].failures, 0);
-  EXPECT_EQ(run_orientation_trial(study, 0).orientations.back().status, "degenerate");
+  EXPECT_EQ(run_orientation_trial(study, 0).orientations().back().status,
+            EstimateOutcome::kDegenerate);
 }
 
 TEST(OrientationTrial, TakesTimesOnlyWhereAsked) {
   const Study timed = study_with("orientation-speed", 1, {"timed_repeats=2", "methods=['fast']"});
   const TrialRecord trial = run_orientation_trial(timed, 0);
-  EXPECT_GT(trial.orientations[0].time_ns, 0);
+  EXPECT_GT(trial.orientations()[0].time_ns, 0);
   const std::vector<TrialRecord> trials = {trial};
   std::ostringstream timings;
   std::ostringstream csv;
@@ -435,7 +436,7 @@ TEST(OrientationTrial, TakesTimesOnlyWhereAsked) {
   EXPECT_THAT(to_json(timed, summarise(timed, trials)), testing::Not(HasSubstr("time")));
   const Study untimed = study_with("orientation-points", 1);
   const TrialRecord other = run_orientation_trial(untimed, 0);
-  EXPECT_TRUE(std::isnan(other.orientations[0].time_ns));
+  EXPECT_TRUE(std::isnan(other.orientations()[0].time_ns));
   EXPECT_FALSE(untimed.takes_times());
 }
 

@@ -34,8 +34,8 @@ Result result_of(int trials, const std::vector<std::string>& settings) {
   for (int64_t i = 0; i < trials; ++i) {
     const TrialRecord record = run_trial(study, i, renderer).record;
     statistics.add(record);
-    EXPECT_TRUE(record.estimates[0].is_ok());
-    result.mean_geodesic_deg += record.estimates[0].geodesic_deg / trials;
+    EXPECT_TRUE(record.estimates()[0].is_ok());
+    result.mean_geodesic_deg += record.estimates()[0].geodesic_deg / trials;
   }
   result.localisation = statistics.summary();
   return result;
@@ -71,7 +71,8 @@ TEST(Passes, OnePassLooksAroundThePrior) {
                               trial.record.true_cam_from_target.rotation) *
            180 / M_PI;
   };
-  EXPECT_EQ(look(1).cam_from_target.rotation, trial.record.prior_cam_from_target.rotation);
+  EXPECT_EQ(look(1).cam_from_target.rotation,
+            trial.record.pose_trial().prior_cam_from_target.rotation);
   EXPECT_GT(off_deg(look(1)), 0.5);
   EXPECT_LT(off_deg(look(2)), 0.5);
 }
