@@ -71,10 +71,10 @@ class OwnSet : public testing::Test {
 
 void expect_same(const Trial& a, const Trial& b) {
   EXPECT_EQ(cv::norm(a.frame.image, b.frame.image, cv::NORM_INF), 0);
-  ASSERT_EQ(a.record.observations.size(), b.record.observations.size());
-  for (size_t i = 0; i < a.record.observations.size(); ++i) {
-    const ObservationRecord& x = a.record.observations[i];
-    const ObservationRecord& y = b.record.observations[i];
+  ASSERT_EQ(a.record.observations().size(), b.record.observations().size());
+  for (size_t i = 0; i < a.record.observations().size(); ++i) {
+    const ObservationRecord& x = a.record.observations()[i];
+    const ObservationRecord& y = b.record.observations()[i];
     EXPECT_EQ(x.feature, y.feature);
     EXPECT_EQ(x.status, y.status);
     EXPECT_EQ(x.label, y.label);
@@ -82,10 +82,10 @@ void expect_same(const Trial& a, const Trial& b) {
     EXPECT_LT((x.true_pixel - y.true_pixel).norm(), kSamePx);
     EXPECT_LT((x.pixel - y.pixel).norm(), kSamePx);
   }
-  ASSERT_EQ(a.record.estimates.size(), b.record.estimates.size());
-  for (size_t i = 0; i < a.record.estimates.size(); ++i) {
-    const EstimateRecord& x = a.record.estimates[i];
-    const EstimateRecord& y = b.record.estimates[i];
+  ASSERT_EQ(a.record.estimates().size(), b.record.estimates().size());
+  for (size_t i = 0; i < a.record.estimates().size(); ++i) {
+    const EstimateRecord& x = a.record.estimates()[i];
+    const EstimateRecord& y = b.record.estimates()[i];
     EXPECT_EQ(x.status, y.status);
     EXPECT_EQ(x.removed, y.removed);
     EXPECT_NEAR(x.geodesic_deg, y.geodesic_deg, kSameDeg);
@@ -138,9 +138,9 @@ TEST_F(OwnSet, ShowsAHalfPixelTooMuch) {
   edit(fs::path(set) / "camera.json",
        [](json& camera) { camera["cameraMatrix"][0][2] = 0.5 + double(camera["ccx"]); });
   const Trial wrong = run_trial(study_of(set), 0, renderer);
-  for (size_t i = 0; i < right.record.observations.size(); ++i) {
-    EXPECT_NEAR(wrong.record.observations[i].true_pixel.x(),
-                right.record.observations[i].true_pixel.x() + 0.5, kSamePx);
+  for (size_t i = 0; i < right.record.observations().size(); ++i) {
+    EXPECT_NEAR(wrong.record.observations()[i].true_pixel.x(),
+                right.record.observations()[i].true_pixel.x() + 0.5, kSamePx);
   }
 }
 

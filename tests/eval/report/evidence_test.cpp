@@ -43,9 +43,9 @@ TEST(Evidence, TakesTheFirstDrawOfEachConditionTheMedianAndTheWorst) {
 
 TEST(Evidence, TakesEachKindOfFailureOfEverySolver) {
   SmallReport report;
-  report.trials[2].estimates[0].status = "diverged";
-  report.trials[3].estimates[0].false_removals = 1;
-  report.trials[3].estimates[1].missed_outliers = 1;
+  report.trials[2].pose_trial().estimates[0].status = EstimateOutcome::kDiverged;
+  report.trials[3].pose_trial().estimates[0].false_removals = 1;
+  report.trials[3].pose_trial().estimates[1].missed_outliers = 1;
   auto found = captions(choose_frames(report.study, report.trials));
   EXPECT_THAT(found[2], HasSubstr("ORPE finds no pose: diverged"));
   EXPECT_THAT(found[3], HasSubstr("ORPE removes an inlier"));
@@ -79,7 +79,8 @@ TEST(Evidence, TakesEachTrialOnceUpToItsLimitAndTheSameAgain) {
 
 TEST(Evidence, OfATrialWithoutAnyPoseIsThatTrial) {
   SmallReport report = random_study(1);
-  for (EstimateRecord& estimate : report.trials[0].estimates) estimate.status = "too_few_points";
+  for (EstimateRecord& estimate : report.trials[0].pose_trial().estimates)
+    estimate.status = EstimateOutcome::kTooFewPoints;
   const auto choices = choose_frames(report.study, report.trials);
   ASSERT_EQ(choices.size(), 1u);
   EXPECT_THAT(choices[0].caption, HasSubstr("ORPE finds no pose: too few points"));
@@ -98,13 +99,13 @@ TEST(Evidence, SaysWhereTheRunAgainDiffersFromTheStoredTrial) {
   ASSERT_EQ(frames.size(), 1u);
   EXPECT_THAT(frames[0].caption, Not(HasSubstr(differs)));
 
-  double& x_m = trials[0].estimates[0].cam_from_target.translation.x();
+  double& x_m = trials[0].pose_trial().estimates[0].cam_from_target.translation.x();
   x_m = std::nextafter(x_m, 1e9);
   frames = gather_evidence(study, trials, renderer);
   EXPECT_THAT(frames[0].caption, HasSubstr(differs));
-  EXPECT_EQ(frames[0].stored.estimates[0].cam_from_target.translation.x(), x_m);
+  EXPECT_EQ(frames[0].stored.pose_trial().estimates[0].cam_from_target.translation.x(), x_m);
 
-  trials[0].estimates[0].status = "degenerate";
+  trials[0].pose_trial().estimates[0].status = EstimateOutcome::kDegenerate;
   EXPECT_THAT(gather_evidence(study, trials, renderer)[0].caption, HasSubstr(differs));
 }
 

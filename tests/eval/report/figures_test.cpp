@@ -22,7 +22,7 @@ TEST(SilhouetteFigure, SaysWhereTheOutlineShowsEachFeature) {
   const std::string page = one_line(report.page());
   EXPECT_TRUE(has(page, "The outline beside each feature, at the true poses of 4 trials."));
   EXPECT_TRUE(has(page, "<td>4</td><td class=\"kind\">corner</td>"));
-  report.trials[1].observations.clear();  // a pose that could not be imaged
+  report.trials[1].pose_trial().observations.clear();  // a pose that could not be imaged
   const std::string fewer = one_line(report.page());
   EXPECT_TRUE(has(fewer, "at the true poses of 3 of 4 trials."));
   EXPECT_TRUE(has(fewer, "<td>3</td><td class=\"kind\">corner</td>"));
@@ -58,8 +58,8 @@ TEST(AnswerFigure, ComparesSolversTrialByTrial) {
   SmallReport report;
   EXPECT_TRUE(has(report.page(), "the θ error of ORPE is 1.00° [1.00, 1.00] smaller"));
   for (size_t i = 0; i < report.trials.size(); ++i) {
-    report.trials[i].estimates[1].theta_error_deg =
-        report.trials[i].estimates[0].theta_error_deg + (i % 2 == 0 ? 0.5 : -0.5);
+    report.trials[i].pose_trial().estimates[1].theta_error_deg =
+        report.trials[i].pose_trial().estimates[0].theta_error_deg + (i % 2 == 0 ? 0.5 : -0.5);
   }
   EXPECT_TRUE(has(report.page(), "do not tell the θ errors of ORPE and LSPE apart"));
 }
@@ -106,8 +106,8 @@ TEST(TableFigure, ShowsMediansWhereThePaperPrintsNothing) {
 
 TEST(TableFigure, NamesTheTrialsThatCouldNotBeImaged) {
   SmallReport report;
-  report.trials[1].observations.clear();
-  report.trials[3].observations.clear();
+  report.trials[1].pose_trial().observations.clear();
+  report.trials[3].pose_trial().observations.clear();
   const std::string page = report.page();
   EXPECT_TRUE(has(page, "Trials that could not be imaged: 2 of 4 trials"));
   EXPECT_TRUE(has(page, "<li>pose 2: 1, 3</li>"));
@@ -136,13 +136,13 @@ TEST(FramesFigure, ShowsTheEvidence) {
 
 TEST(FramesFigure, MarksNoRemovalWhereNothingWasRemoved) {
   SmallReport report;
-  report.frames[0].trial.record.estimates[0].removed.clear();
+  report.frames[0].trial.record.pose_trial().estimates[0].removed.clear();
   EXPECT_FALSE(has(report.page(), "class=\"layer-removed"));
 }
 
 TEST(FramesFigure, ShowsAFailedSolverAndAFrameWithoutImage) {
   SmallReport report;
-  report.frames[0].stored.estimates[0].status = "too_few_points";
+  report.frames[0].stored.pose_trial().estimates[0].status = EstimateOutcome::kTooFewPoints;
   EXPECT_TRUE(has(report.page(), "no pose: too few points"));
   report.frames[0].picture = {};
   EXPECT_FALSE(has(report.page(), "data:image/png"));
@@ -151,8 +151,8 @@ TEST(FramesFigure, ShowsAFailedSolverAndAFrameWithoutImage) {
 
 TEST(FramesFigure, StatesTheStoredNumbers) {
   SmallReport report;
-  report.frames[0].stored.estimates[0].theta_error_deg = 7.89;
-  report.frames[0].trial.record.estimates[0].theta_error_deg = 4.56;
+  report.frames[0].stored.pose_trial().estimates[0].theta_error_deg = 7.89;
+  report.frames[0].trial.record.pose_trial().estimates[0].theta_error_deg = 4.56;
   const std::string page = report.page();
   EXPECT_TRUE(has(page, "<td>7.89</td>"));
   EXPECT_FALSE(has(page, "<td>4.56</td>"));
@@ -180,7 +180,7 @@ TEST(ProvenanceFigure, RepeatsTheRunFromItsStudyFile) {
 
 TEST(FramesFigure, ListsEveryTrialWithItsErrorAndKind) {
   SmallReport report;
-  report.trials[2].estimates[0].status = "too_few_points";
+  report.trials[2].pose_trial().estimates[0].status = EstimateOutcome::kTooFewPoints;
   const std::string page = report.page();
   EXPECT_TRUE(has(page, R"("trial":[0,1,2,3],"condition":[0,1,0,1],"frame":[1,0,0,0])"));
   EXPECT_TRUE(has(page, R"("error":[[1.0,5.0,null,3.0],[2.0,6.0,3.0,4.0])"));

@@ -78,7 +78,7 @@ inline ObservationRecord found(const std::string& name, const Eigen::Vector2d& p
                                double error_px, bool is_outlier = false) {
   ObservationRecord record;
   record.feature = name;
-  record.status = "found";
+  record.status = ObservationOutcome::kFound;
   record.is_visible = true;
   record.pixel = pixel;
   record.true_pixel = pixel - Eigen::Vector2d(error_px, 0);
@@ -90,12 +90,12 @@ inline ObservationRecord found(const std::string& name, const Eigen::Vector2d& p
 inline ObservationRecord missing(const std::string& name, ObservationStatus status) {
   ObservationRecord record;
   record.feature = name;
-  record.status = to_string(status);
+  record.status = from_string<ObservationOutcome>(to_string(status));
   return record;
 }
 
 inline EstimateRecord estimate(const std::string& solver, double theta_error_deg,
-                               const std::string& status = "ok") {
+                               EstimateOutcome status = EstimateOutcome::kOk) {
   EstimateRecord record;
   record.solver = solver;
   record.status = status;
@@ -109,12 +109,12 @@ inline TrialRecord small_trial(int64_t index, double orpe_error_deg) {
   trial.trial = index;
   trial.condition = static_cast<int>(index % 2);
   trial.true_cam_from_target.translation = {0, 0, 1300};
-  trial.observations = {found(kEvilName, {20, 20}, 0.4), found("root", {40, 22}, 9.5, true),
-                        missing("fin", ObservationStatus::kTooFewEdgePixels),
-                        found("nose", {30, 45}, 0.2)};
-  trial.estimates = {estimate("orpe", orpe_error_deg), estimate("lspe", orpe_error_deg + 1),
-                     estimate("oracle", 0.1)};
-  trial.estimates[0].removed = {"root"};
+  trial.pose_trial().observations = {
+      found(kEvilName, {20, 20}, 0.4), found("root", {40, 22}, 9.5, true),
+      missing("fin", ObservationStatus::kTooFewEdgePixels), found("nose", {30, 45}, 0.2)};
+  trial.pose_trial().estimates = {estimate("orpe", orpe_error_deg),
+                                  estimate("lspe", orpe_error_deg + 1), estimate("oracle", 0.1)};
+  trial.pose_trial().estimates[0].removed = {"root"};
   return trial;
 }
 

@@ -244,9 +244,9 @@ TEST(Trial, APoseDrawnOutOfSightIsAFailedRow) {
   Renderer renderer;
   const Trial trial = run_trial(study, 0, renderer);
   EXPECT_EQ(trial.record.redraws, 2);
-  ASSERT_EQ(trial.record.estimates.size(), study.solvers().size());
-  for (const EstimateRecord& estimate : trial.record.estimates) {
-    EXPECT_EQ(estimate.status, "not imaged");
+  ASSERT_EQ(trial.record.estimates().size(), study.solvers().size());
+  for (const EstimateRecord& estimate : trial.record.estimates()) {
+    EXPECT_EQ(estimate.status, EstimateOutcome::kNotImaged);
   }
 }
 

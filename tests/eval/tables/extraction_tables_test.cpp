@@ -60,7 +60,8 @@ std::vector<TrialRecord> four_trials() {
   std::vector<TrialRecord> trials(4);
   const std::vector<ObservationRecord> second = {
       seen("vertex_1", {0.25, 0}), seen("vertex_1", {0, 0}, ObservationLabel::kMissing),
-      seen("vertex_1", {0, 8}, ObservationLabel::kWrongLine), seen("vertex_1", {0, 12}, ObservationLabel::kWrongLine)};
+      seen("vertex_1", {0, 8}, ObservationLabel::kWrongLine),
+      seen("vertex_1", {0, 12}, ObservationLabel::kWrongLine)};
   for (size_t i = 0; i < trials.size(); ++i) {
     trials[i].trial = static_cast<int64_t>(2 * i);
     trials[i].pose_trial().observations = {seen("vertex_0", {0.25, 0}), second[i]};

@@ -9,7 +9,7 @@ namespace sightline {
 /// How many features of a trial were found and are no outliers.
 inline int inliers_of(const TrialRecord& record) {
   int count = 0;
-  for (const ObservationRecord& o : record.observations) count += o.is_found() && !o.is_outlier;
+  for (const ObservationRecord& o : record.observations()) count += o.is_found() && !o.is_outlier;
   return count;
 }
 

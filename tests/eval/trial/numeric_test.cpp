@@ -305,9 +305,9 @@ TEST(NumericTrial, TellsSolversWhatTheStudySaysAndNoMore) {
 TEST(NumericTrial, APoseBehindTheCameraIsAFailedRow) {
   const Study study = study_with("cube-noise", 20, {"poses.range_m=[0.01, 0.02]"});
   const std::vector<TrialRecord> trials = run_all(study);
-  EXPECT_TRUE(trials[0].observations.empty());
-  ASSERT_EQ(trials[0].estimates.size(), study.solvers().size());
-  EXPECT_EQ(trials[0].estimates[0].status, "not imaged");
+  EXPECT_TRUE(trials[0].observations().empty());
+  ASSERT_EQ(trials[0].estimates().size(), study.solvers().size());
+  EXPECT_EQ(trials[0].estimates()[0].status, EstimateOutcome::kNotImaged);
 }
 
 TEST(NumericSummary, LeastSquaresIsOnTheBoundWithoutOutliersAndOffItWithOne) {

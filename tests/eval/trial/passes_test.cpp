@@ -64,7 +64,7 @@ TEST(Passes, OnePassLooksAroundThePrior) {
     ImageSetup setup = study.images()->setups.front();
     setup.passes = passes;
     return extract_in_passes(*study.images(), setup, trial.scene, trial.frame.image,
-                             trial.record.prior_cam_from_target, renderer);
+                             trial.record.pose_trial().prior_cam_from_target, renderer);
   };
   const auto off_deg = [&](const Extraction& extraction) {
     return geodesic_angle_rad(extraction.cam_from_target.rotation,
@@ -137,7 +137,7 @@ TEST(Passes, APassThatFindsLessThanHalfIsDropped) {
       ImageSetup setup = study.images()->setups.front();
       setup.passes = passes;
       return extract_in_passes(*study.images(), setup, trial.scene, image,
-                               trial.record.prior_cam_from_target, renderer);
+                               trial.record.pose_trial().prior_cam_from_target, renderer);
     };
     const Extraction one = look(1), two = look(2);
     EXPECT_GE(2 * found_in(two), found_in(one)) << i;
