@@ -12,11 +12,11 @@
 #include <kainjow/mustache.hpp>
 
 #include "eval/output/text.h"
+#include "eval/records/caps.h"
 #include "eval/report/distributions.h"
 #include "eval/report/page.h"
 #include "eval/score/measures.h"
 #include "eval/score/score_pictures.h"
-#include "eval/summary/summary.h"
 
 namespace sightline {
 namespace {
