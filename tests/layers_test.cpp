@@ -40,7 +40,7 @@ const Rooms kEvalRooms = {
      {"compare", "image_sets", "output", "report", "results", "run", "score", "study", "tables",
       "target", "work"}},
     {"compare", {"output", "records", "results", "statistics", "summary"}},
-    {"score", {"datasets", "metrics", "output", "report", "statistics", "summary"}},
+    {"score", {"datasets", "metrics", "output", "records", "report", "statistics"}},
     {"image_sets", {"datasets", "output", "study", "work"}},
     {"run", {"output", "report", "results", "study", "summary", "trial", "work"}},
     {"report",

@@ -25,9 +25,6 @@ void put(CsvLine& line, const std::string& text) {
 void put(CsvLine& line, double number) {
   line << number;
 }
-void put(CsvLine& line, int64_t number) {
-  line << number;
-}
 void put(CsvLine& line, int number) {
   line << number;
 }

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "eval/metrics/pose_errors.h"
-#include "eval/summary/summary.h"
+#include "eval/records/caps.h"
 #include "pose/attitude.h"
 
 namespace sightline {

@@ -16,7 +16,6 @@
 #include "eval/metrics/vsd.h"
 #include "eval/score/measures.h"
 #include "eval/statistics/bootstrap.h"
-#include "eval/summary/summary.h"
 #include "pose/attitude.h"
 #include "pose/camera.h"
 #include "renderer/truth.h"

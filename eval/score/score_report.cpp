@@ -13,12 +13,12 @@
 
 #include "eval/output/html.h"
 #include "eval/output/numbers.h"
+#include "eval/records/caps.h"
 #include "eval/report/distributions.h"
 #include "eval/report/page.h"
 #include "eval/report/page_text.h"
 #include "eval/score/measures.h"
 #include "eval/score/score_pictures.h"
-#include "eval/summary/summary.h"
 
 namespace sightline {
 namespace {
