@@ -188,7 +188,7 @@ bool is_same(const TrialRecord& a, const TrialRecord& b) {
 cv::Rect region_of_interest(const Trial& trial, const std::map<std::string, Outline>& outlines) {
   if (trial.frame.image.empty()) return {};
   cv::Rect region = trial.frame.truth.target().visible_box;
-  for (const Observation& observation : trial.observations()) region |= observation.window;
+  for (const Observation& observation : trial.observations) region |= observation.window;
   for (const auto& [solver, outline] : outlines) {
     for (const std::vector<Eigen::Vector2d>& polygon : outline) {
       for (const Eigen::Vector2d& vertex : polygon) {
@@ -227,7 +227,7 @@ size_t bytes_of(const FrameEvidence& frame) {
   constexpr size_t kBytesAnOutlineSample = 2 * 3;  // most lie on straight lines
   constexpr size_t kBytesAVertex = 14;
   size_t bytes = frame.picture.png_url.size() + kBytesAFrame;
-  for (const Observation& observation : frame.trial.observations()) {
+  for (const Observation& observation : frame.trial.observations) {
     for (const ImageLine& line : observation.lines) {
       bytes += kBytesAnEdgePixel * line.edge_pixels.size();
     }

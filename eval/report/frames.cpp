@@ -161,9 +161,9 @@ int label_row(const cv::Rect& window, size_t index) {
 
 FeatureDrawings draw_features(const Trial& trial, bool has_picture) {
   FeatureDrawings drawings;
-  const size_t count = std::min(trial.observations().size(), trial.record.observations().size());
+  const size_t count = std::min(trial.observations.size(), trial.record.observations().size());
   for (size_t i = 0; i < count; ++i) {
-    const Observation& observation = trial.observations()[i];
+    const Observation& observation = trial.observations[i];
     const ObservationRecord& record = trial.record.observations()[i];
     const auto removers = removers_of(trial.record, record.feature);
     const std::string marks = feature_marks(observation, record, removers);

@@ -25,7 +25,7 @@ void FeatureStatistics::Feature::add(const ObservationRecord& observation) {
   summary.visible += observation.is_visible;
   summary.outliers += observation.is_outlier;
   if (!observation.is_found()) {
-    ++summary.missing[observation.status];
+    ++summary.missing[std::string(to_string(observation.status))];
     return;
   }
   ++summary.found;

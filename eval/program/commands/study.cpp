@@ -63,12 +63,6 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
   return run_command(study, arguments.run, out, command);
 }
 
-struct ListArguments {
-  std::string what;
-  std::string table;
-  bool is_markdown = false;
-};
-
 // Who draws: our own rasteriser unless OpenGL is asked for.
 void add_gl(CLI::App& sub, std::string& gl) {
   const auto names = gl_choice_names();
