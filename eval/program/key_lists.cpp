@@ -42,25 +42,32 @@ std::vector<KeyTable> all_tables() {
   return tables;
 }
 
-std::array<std::string, 4> columns_of(const KeyText& key) {
-  return {key.name, key.unit, key.range, key.fallback};
+using Row = std::array<std::string, 5>;
+
+// The rows in columns; what is longer than most moves those after it in its own row alone.
+std::string aligned(const std::vector<Row>& rows) {
+  constexpr size_t kWidest = 32;
+  std::array<size_t, 4> widths{};
+  for (const Row& row : rows) {
+    for (size_t i = 0; i < widths.size(); ++i) {
+      if (row[i].size() <= kWidest) widths[i] = std::max(widths[i], row[i].size());
+    }
+  }
+  std::string out;
+  for (const Row& row : rows) {
+    for (size_t i = 0; i < widths.size(); ++i) out += fmt::format("  {:<{}}", row[i], widths[i]);
+    out += "  " + row.back() + "\n";
+  }
+  return out;
 }
 
 std::string text_of(const KeyTable& table) {
-  std::array<size_t, 4> widths{};
+  std::vector<Row> rows = {{"key", "unit", "range", "default", "meaning"}};
   for (const KeyText& key : table.keys) {
-    const auto columns = columns_of(key);
-    for (size_t i = 0; i < columns.size(); ++i) widths[i] = std::max(widths[i], columns[i].size());
+    rows.push_back(
+        {key.name, key.unit.empty() ? "-" : key.unit, key.range, key.fallback, key.meaning});
   }
-  std::string out = table.heading() + "\n";
-  for (const KeyText& key : table.keys) {
-    const auto columns = columns_of(key);
-    for (size_t i = 0; i < columns.size(); ++i) {
-      out += fmt::format("  {:<{}}", columns[i], widths[i]);
-    }
-    out += "  " + key.meaning + "\n";
-  }
-  return out;
+  return table.heading() + "\n" + aligned(rows);
 }
 
 std::string markdown_of(const KeyTable& table) {

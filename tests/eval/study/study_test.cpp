@@ -85,22 +85,22 @@ TEST(Study, AllFeaturesAreWrittenOutByName) {
   const Study five = read_study("boeing-random");
   const Study all =
       read_study("boeing-random", {.trials = {}, .seed = {}, .set = {"features=all"}});
-  ASSERT_EQ(five.features.size(), 5u);
-  ASSERT_EQ(all.features.size(), all.target->features.size());
-  ASSERT_GT(all.features.size(), five.features.size());
-  for (size_t i = 0; i < all.features.size(); ++i) {
-    EXPECT_EQ(all.features[i], static_cast<int>(i));
-    EXPECT_THAT(all.toml, HasSubstr(all.target->features[i].name));
+  ASSERT_EQ(five.pose_study()->features.size(), 5u);
+  ASSERT_EQ(all.pose_study()->features.size(), all.pose_study()->target->features.size());
+  ASSERT_GT(all.pose_study()->features.size(), five.pose_study()->features.size());
+  for (size_t i = 0; i < all.pose_study()->features.size(); ++i) {
+    EXPECT_EQ(all.pose_study()->features[i], static_cast<int>(i));
+    EXPECT_THAT(all.toml, HasSubstr(all.pose_study()->target->features[i].name));
   }
   const Study again = read_study_text(all.toml, "study.toml");
-  EXPECT_EQ(again.features, all.features);
+  EXPECT_EQ(again.pose_study()->features, all.pose_study()->features);
   EXPECT_EQ(again.toml, all.toml);
   EXPECT_EQ(
       read_study("boeing-random", {.trials = {}, .seed = {}, .set = {"features=\"all\""}}).toml,
       all.toml);
   const Study numeric =
       read_study("cube-noise", {.trials = {}, .seed = {}, .set = {"features=all"}});
-  EXPECT_EQ(numeric.features.size(), 8u);
+  EXPECT_EQ(numeric.pose_study()->features.size(), 8u);
 }
 
 TEST(Study, NoOtherWordStandsForFeatures) {

@@ -112,7 +112,7 @@ TEST(Passes, TheBiasIsThatOfACoarserMeshUnlessAskedOtherwise) {
   };
   const double all =
       triangles({"extraction.bias_removal=wrong_light", "extraction.bias_mesh_percent=100"});
-  EXPECT_EQ(all, static_cast<double>(study_with(1, {}).target->mesh.triangles.size()));
+  EXPECT_EQ(all, static_cast<double>(study_with(1, {}).images()->target->mesh.triangles.size()));
   EXPECT_NEAR(triangles({"extraction.bias_removal=wrong_light"}) / all, 0.5, 0.02);
   EXPECT_NEAR(triangles({"extraction.bias_removal=known_light"}) / all, 0.5, 0.02);
   EXPECT_EQ(triangles({"extraction.bias_removal=off"}), 0);

@@ -44,7 +44,7 @@ TEST(SensorKeys, EveryNumberOfASensorIsAFact) {
 
 TEST(SensorKeys, MistakesGetOneClearLine) {
   EXPECT_THAT(law_error("[image]\npsf = 1"), HasSubstr("not a known key"));
-  EXPECT_THAT(law_error("[image]\nencoding = \"sRGB\""), HasSubstr("did you mean 'srgb'"));
+  EXPECT_THAT(law_error("[image]\nencoding = \"rgb\""), HasSubstr("did you mean 'srgb'"));
 }
 
 }  // namespace
