@@ -13,7 +13,7 @@
 namespace sightline {
 namespace {
 
-constexpr const char* kSonames[] = {"libEGL.so.1", "libEGL.so"};
+constexpr const char* kEglSonames[] = {"libEGL.so.1", "libEGL.so"};
 
 class EglContext : public GlContext {
  public:
@@ -65,7 +65,7 @@ class EglContext : public GlContext {
   std::string name() const override { return "egl"; }
 
  private:
-  SharedLibrary library_{kSonames};
+  SharedLibrary library_{kEglSonames};
   decltype(&eglGetProcAddress) address_ =
       library_.function<decltype(&eglGetProcAddress)>("eglGetProcAddress");
   decltype(&eglBindAPI) bind_api_ = library_.function<decltype(&eglBindAPI)>("eglBindAPI");

@@ -11,7 +11,7 @@
 namespace sightline {
 namespace {
 
-constexpr const char* kSonames[] = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
+constexpr const char* kOsmesaSonames[] = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"};
 
 class OsMesaContext : public GlContext {
  public:
@@ -53,7 +53,7 @@ class OsMesaContext : public GlContext {
   std::string name() const override { return "osmesa"; }
 
  private:
-  SharedLibrary library_{kSonames};
+  SharedLibrary library_{kOsmesaSonames};
   decltype(&OSMesaMakeCurrent) make_current_ =
       library_.function<decltype(&OSMesaMakeCurrent)>("OSMesaMakeCurrent");
   decltype(&OSMesaGetProcAddress) address_ =

@@ -13,7 +13,7 @@
 namespace sightline {
 namespace {
 
-constexpr double kFlatCosine = 1 - 1e-9;  // faces that turn less make no outline
+constexpr double kOutlineCosine = 1 - 1e-9;  // faces that turn less make no outline
 // Of a feature's edge: a vertex of the mesh this near to it (times its length) lies on it.
 constexpr double kOnEdge = 1e-4;
 
@@ -42,7 +42,7 @@ std::vector<SharedEdge> turning_edges(const Mesh& mesh) {
     shared.edge.face_normal = {face_normal(mesh, a), face_normal(mesh, b)};
     shared.edge.is_open = next == i + 1;
     shared.part = {a.part, b.part};
-    if (shared.edge.is_open || shared.edge.cos_turn() < kFlatCosine) edges.push_back(shared);
+    if (shared.edge.is_open || shared.edge.cos_turn() < kOutlineCosine) edges.push_back(shared);
     i = next;
   }
   return edges;
