@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/tables/result_table.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -7,8 +9,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include "eval/tables/result_table.h"
 
 namespace sightline {
 namespace {
