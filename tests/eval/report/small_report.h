@@ -16,9 +16,9 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
-#include "eval/report/chart_js.h"
 #include "eval/report/evidence.h"
 #include "eval/report/frame_svg.h"
+#include "eval/report/page_text.h"
 #include "eval/report/report.h"
 #include "tests/eval/studies.h"
 
@@ -195,16 +195,24 @@ struct SmallReport {
   std::vector<FrameEvidence> frames = {small_frame(trials[0])};
 
   ReportInput input() const {
-    return {study, summary, trials, frames, {{"version", "0.1.0"}, {"machine", "two <cores>"}}};
+    shown_ = summary;
+    if (study.pose_study() != nullptr) {
+      shown_.extraction.emplace(study);
+      for (const TrialRecord& trial : trials) shown_.extraction->add(trial);
+    }
+    return {study, shown_, trials, frames, {{"version", "0.1.0"}, {"machine", "two <cores>"}}};
   }
   // Without Chart.js, which is not ours to judge.
   std::string page() const {
     std::string text = render_report(input());
-    const std::string library = chart_js();
+    const std::string library = page_text("chart.js");
     const size_t at = text.find(library);
     if (at == std::string::npos) return "a page without Chart.js";
     return one_line(text.erase(at, library.size()));
   }
+
+ private:
+  mutable Summary shown_;  // the summary and what the trials say of the features
 };
 
 inline size_t count(const std::string& text, const std::string& part) {

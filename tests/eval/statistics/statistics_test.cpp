@@ -10,6 +10,10 @@
 
 #include <gtest/gtest.h>
 
+#include "eval/statistics/bootstrap.h"
+#include "eval/statistics/error_statistics.h"
+#include "eval/statistics/rms_ratio.h"
+#include "eval/statistics/significance.h"
 #include "scenes/random/random.h"
 
 namespace sightline {

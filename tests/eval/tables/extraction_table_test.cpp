@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "eval/tables/extraction_tables.h"
+#include "eval/tables/extraction_table.h"
 
 #include <algorithm>
 #include <sstream>
@@ -72,8 +72,8 @@ std::vector<TrialRecord> four_trials() {
   return trials;
 }
 
-ExtractionStatistics statistics_of(const Study& study, const std::vector<TrialRecord>& trials) {
-  ExtractionStatistics statistics(study);
+FeatureStatistics statistics_of(const Study& study, const std::vector<TrialRecord>& trials) {
+  FeatureStatistics statistics(study);
   for (const TrialRecord& trial : trials) statistics.add(trial);
   return statistics;
 }
@@ -127,7 +127,7 @@ TEST(AccuracyBlock, SaysOfEveryFeatureHowManyAreNearAndHowNear) {
 
 TEST(AccuracyBlock, OfManyCellsHasARowEach) {
   const Study study = read_study("feature-localisation", {.trials = 1, .seed = {}, .set = {}});
-  const std::string table = accuracy_block(study, ExtractionStatistics(*study.images()));
+  const std::string table = accuracy_block(study, FeatureStatistics(study));
   EXPECT_THAT(row(table, "hough_intersection,"), HasSubstr("read_noise_grey 0.0"));
   EXPECT_THAT(table, Not(HasSubstr("vertex_0")));
 }
@@ -178,7 +178,7 @@ TEST(ExtractionJson, HoldsEveryCellAndFeatureWithNullForWhatIsNotKnown) {
 // outliers, in two passes.
 TEST(BoeingLocalisation, KeepsToTheGoalsOfTwoPasses) {
   const Study study = read_study("boeing-localisation", {.trials = 12, .seed = {}, .set = {}});
-  ExtractionStatistics statistics(study);
+  FeatureStatistics statistics(study);
   Renderer renderer;
   for (int64_t i = 0; i < study.trial_count(); ++i) {
     statistics.add(run_trial(study, i, renderer).record);
@@ -210,7 +210,7 @@ TEST(FeatureLocalisation, SaysThatRefinedLinesAreNearerThanHoughs) {
        .set = {"solvers=['lspe']",
                "sweep={'extraction.line_intersection'=['hough_intersection', 'model_edges']}"}});
   Renderer renderer;
-  ExtractionStatistics statistics(study);
+  FeatureStatistics statistics(study);
   for (int64_t i = 0; i < study.trial_count(); ++i) {
     statistics.add(run_trial(study, i, renderer).record);
   }
@@ -241,7 +241,7 @@ TEST(OutlierImpact, ExactProjectionsLeaveNoErrorAndOcclusionHidesFeatures) {
     EXPECT_LT(find_estimate(trials.back(), "lspe/exact")->geodesic_deg, 1e-6);
     EXPECT_GT(find_estimate(trials.back(), "lspe")->geodesic_deg, 1e-3);
   }
-  const ExtractionStatistics statistics = statistics_of(study, trials);
+  const FeatureStatistics statistics = statistics_of(study, trials);
   EXPECT_LE(statistics.of_cell(1).visible, statistics.of_cell(0).visible);
   EXPECT_THAT(impact_block(study, summarise(study, trials)), HasSubstr("exact noise inliers"));
 }

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/tables/result_table.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -8,9 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "eval/tables/result_table.h"
 #include "tests/eval/studies.h"
-
 namespace sightline {
 namespace {
 
