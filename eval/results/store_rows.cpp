@@ -225,7 +225,9 @@ class TrialWriter {
     if (const auto* pose_trial = std::get_if<PoseTrial>(&record.kind)) {
       trials_.write(kPoseTrialFields, *pose_trial);
     } else {
-      trials_.write_nulls(component_names(kPoseTrialFields.front(), PoseAs::kMatrix).size());
+      for (const auto& field : kPoseTrialFields) {
+        trials_.write_nulls(component_names(field, PoseAs::kMatrix).size());
+      }
     }
     trials_.end_row();
   }

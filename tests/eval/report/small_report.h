@@ -115,6 +115,7 @@ inline TrialRecord small_trial(int64_t index, double orpe_error_deg) {
   trial.pose_trial().estimates = {estimate("orpe", orpe_error_deg),
                                   estimate("lspe", orpe_error_deg + 1), estimate("oracle", 0.1)};
   trial.pose_trial().estimates[0].removed = {"root"};
+  trial.pose_trial().estimates[0].is_test_failed = false;
   return trial;
 }
 

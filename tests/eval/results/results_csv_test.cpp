@@ -106,6 +106,22 @@ TEST(ResultsCsv, LeavesAFailuresNumbersEmptyAndCountsItsOutliersAsMissed) {
   EXPECT_EQ(row.at("true_qw"), "1") << "the truth is there all the same";
 }
 
+TEST(ResultsCsv, EndsWithWhatTheSolverSaysAndIsEmptyWhereItSaysNothing) {
+  std::vector<TrialRecord> trials = handmade_trials();
+  EstimateRecord& estimate = trials[0].pose_trial().estimates[0];
+  estimate.is_ambiguous = true;
+  estimate.removed_probability = 0.75;
+  estimate.is_removal_limit_reached = false;
+  const std::vector<Row> rows = rows_of(two_poses(), trials);
+  EXPECT_EQ(rows[0].at("ambiguous"), "1");
+  EXPECT_EQ(rows[0].at("removed_probability"), "0.75");
+  EXPECT_EQ(rows[0].at("removal_limit_reached"), "0");
+  EXPECT_EQ(rows[0].at("test_failed"), "");
+  for (const char* key : {"ambiguous", "removed_probability", "removal_limit_reached"}) {
+    EXPECT_EQ(rows[1].at(key), "") << key;
+  }
+}
+
 TEST(ResultsCsv, ReadsBackTheSameNumbers) {
   std::vector<TrialRecord> trials = handmade_trials();
   RandomStream random(1, "csv", 0);
