@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "eval/statistics/statistics.h"
 #include "eval/study/study.h"
 
 namespace sightline {
@@ -15,8 +14,5 @@ inline constexpr size_t kLongestLabel = 42;
 
 /// The labels of a study's conditions, one a row of a table.
 std::vector<std::string> condition_labels(const Study& study, size_t longest = kLongestLabel);
-
-/// "[1.20, 1.42]" for a table of the terminal; "-" where there is no interval.
-std::string interval_text(const Interval95& ends, int decimals);
 
 }  // namespace sightline
