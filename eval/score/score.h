@@ -101,7 +101,7 @@ struct BopSummary {
   BopRate projection_5px, within_5deg_5cm;
   std::array<double, kBopThresholds> mssd_recalls{}, mspd_recalls{};
   ErrorSummary theta_error_deg, t_error_percent, geodesic_deg;  ///< a missed one has failed
-  ErrorSummary speed_score, speed_plus_score;                   ///< alike
+  ErrorSummary speed_score, speed_plus_score;                   ///< a missed one has failed
 };
 
 /// All that is told of a scored results file.

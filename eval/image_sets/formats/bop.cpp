@@ -30,7 +30,7 @@ struct ImagePaths {
   std::string grey;
   std::string depth;
   std::vector<std::string> masks;          // an instance each
-  std::vector<std::string> visible_masks;  // alike
+  std::vector<std::string> visible_masks;  // an instance each: its pixels that are seen
 };
 
 ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances) {

@@ -17,6 +17,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "eval/datasets/model_file.h"
 #include "eval/datasets/pictures.h"
 #include "eval/datasets/sightings.h"
 #include "eval/study/study_file.h"

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "eval/report/figures.h"
+#include "tests/eval/studies.h"
 
 namespace sightline {
 namespace {
@@ -19,7 +20,7 @@ using ::testing::Not;
 // quantile.
 struct TwentyPoses {
   TwentyPoses() {
-    study.solvers = {find_pose_solver("orpe_weighed")};
+    images_of(study).solving.solvers = {find_pose_solver("orpe_weighed")};
     study.conditions.resize(1);
     for (int i = 0; i < 20; ++i) {
       TrialRecord& trial = trials.emplace_back();

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/eval/program.h"
+#include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
 namespace {

@@ -19,6 +19,7 @@
 #include "eval/report/means.h"
 #include "scenes/files/input_error.h"
 #include "tests/eval/report/small_report.h"
+#include "eval/output/numbers.h"
 
 namespace sightline {
 namespace {
@@ -204,7 +205,7 @@ TEST(ReportCatalogue, EqualsTheFolder) {
 
 TEST(Means, AddHalfWidthsAsSquares) {
   const SolverMeans means = means_over_conditions(small_study(), small_summary(), "orpe");
-  EXPECT_DOUBLE_EQ(means.theta_error_deg.mean, 1.75);
+  EXPECT_DOUBLE_EQ(means.theta_error_deg.value, 1.75);
   EXPECT_NEAR(means.theta_error_deg.ci95[0], 1.75 - 0.3 / std::sqrt(2.0), 1e-12);
   EXPECT_NEAR(means.theta_error_deg.ci95[1], 1.75 + 0.4 / std::sqrt(2.0), 1e-12);
   EXPECT_FALSE(means_over_conditions(small_study(), small_summary(), "lspe").paper.has_value());

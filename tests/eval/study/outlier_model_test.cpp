@@ -81,8 +81,8 @@ TEST(OutlierModel, BadFilesGetOneClearLine) {
 TEST(OutlierModel, ANumericStudyReplaysItsTrials) {
   const TemporaryFolder folder;
   const Study cube = read_study("cube-noise");
-  const std::string first = cube.target->features[cube.features[0]].name;
-  const std::string second = cube.target->features[cube.features[1]].name;
+  const std::string first = cube.numeric()->feature(0).name;
+  const std::string second = cube.numeric()->feature(1).name;
   std::vector<TrialRecord> measured(2);
   measured[0].pose_trial().observations = {record(first, true, true, {20, -3})};
   measured[1].pose_trial().observations = {record(second, false, false, {0, 0})};

@@ -22,6 +22,7 @@
 #include "pose/attitude.h"
 #include "tests/eval/studies.h"
 #include "tests/scenes/error_text.h"
+#include "eval/summary/claims.h"
 
 namespace sightline {
 namespace {
@@ -75,8 +76,8 @@ TEST(NumericStudy, ConditionsHaveTheNamesOfTheContract) {
   ASSERT_EQ(outliers.conditions.size(), 4u);
   EXPECT_EQ(outliers.conditions[3].values, (std::map<std::string, double>{{"outliers", 3}}));
   EXPECT_EQ(outliers.numeric()->cells[3].noise_px, 2);
-  EXPECT_EQ(outliers.features.size(), 8u);
-  EXPECT_EQ(outliers.start, Start::kFree);
+  EXPECT_EQ(outliers.numeric()->features.size(), 8u);
+  EXPECT_EQ(outliers.numeric()->solving.start, Start::kFree);
 }
 
 TEST(NumericStudy, SweepsTwoQuantitiesAsTheirProduct) {
@@ -102,7 +103,7 @@ TEST(NumericStudy, SolverOptionsReachTheSolvers) {
   EXPECT_EQ(study.numeric()->solving.options.outliers.scale_px, 15);
   EXPECT_EQ(study.numeric()->solving.options.outliers.false_alarm_rate, 0.05);
   EXPECT_EQ(study.numeric()->solving.options.outliers.max_removed, 2);
-  EXPECT_FALSE(read_study("cube-noise").solver_options.outliers.max_removed.has_value());
+  EXPECT_FALSE(read_study("cube-noise").numeric()->solving.options.outliers.max_removed.has_value());
 }
 
 TEST(NumericStudy, MistakesGetOneClearLine) {
