@@ -117,7 +117,8 @@ TEST(OtherPoseErrors, OfARotationEachThresholdForItself) {
 // As above, but in metres, from a mesh, and with a vertex of the estimate behind the camera.
 TEST(VertexErrors, AreThoseOfBopButThroughTheLens) {
   Mesh mesh;
-  for (const auto& point : cube_points().colwise()) mesh.vertices.emplace_back(1e-3 * point);
+  const auto points = cube_points();  // a loop over a temporary's columns would outlive it
+  for (const auto& point : points.colwise()) mesh.vertices.emplace_back(1e-3 * point);
   const Pose truth{Eigen::Matrix3d::Identity(), {0, 0, 1}};
   const Pose estimated = shifted(truth, {0.003, 0.004, 0});
   Camera camera = centred_camera(640, 640, 500);

@@ -15,11 +15,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "eval/output/numbers.h"
 #include "eval/output/words.h"
 #include "eval/report/means.h"
-#include "scenes/files/input_error.h"
 #include "tests/eval/report/small_report.h"
-#include "eval/output/numbers.h"
 
 namespace sightline {
 namespace {
@@ -27,7 +26,6 @@ namespace {
 using namespace small_report;
 namespace fs = std::filesystem;
 using ::testing::ElementsAre;
-using ::testing::HasSubstr;
 
 // What a page would load or leave for: none may point outside the page.
 std::vector<std::string> outside_references(const std::string& page) {
@@ -173,18 +171,6 @@ TEST(Report, EveryFragmentHasItsAnchorOnce) {
   const std::regex fragment(R"re(href="#([^"]+)")re");
   for (std::sregex_iterator i(page.begin(), page.end(), fragment), end; i != end; ++i) {
     EXPECT_EQ(count(page, " id=\"" + (*i)[1].str() + "\""), 1u) << i->str();
-  }
-}
-
-TEST(Report, SaysWhatPageFileIsMissing) {
-  const fs::path folder = fs::path(::testing::TempDir()) / "assets without a report";
-  fs::create_directories(folder / "targets");
-  const ScopedVariable assets("SIGHTLINE_ASSETS", folder.string());
-  try {
-    SmallReport().page();
-    FAIL() << "no error";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr((folder / "report").string()));
   }
 }
 

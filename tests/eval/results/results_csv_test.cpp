@@ -68,7 +68,8 @@ TEST(ResultsCsv, HasItsHeaderAndARowATrialAndSolver) {
             "trial,condition,noise_px,pose,solver,status,theta_error_deg,t_error_percent,"
             "geodesic_deg,reprojection_rms_px,add_m,mssd_m,mspd_px,nees,removed,false_removals,"
             "missed_outliers,found,outliers,qw,qx,qy,qz,tx_m,ty_m,tz_m,true_qw,true_qx,true_qy,"
-            "true_qz,true_tx_m,true_ty_m,true_tz_m");
+            "true_qz,true_tx_m,true_ty_m,true_tz_m,ambiguous,removed_probability,"
+            "removal_limit_reached,test_failed");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 12);
   EXPECT_EQ(csv.back(), '\n');
   std::vector<std::string> order;
