@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "eval/output/json.h"
+#include "eval/output/numbers.h"
 #include "eval/output/text_table.h"
 #include "eval/score/measures.h"
 
