@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The commands of the program, one file each. To add one: write eval/program/commands/<name>.cpp
-// with a function as these, declare it here, and call it in eval/program/commands.cpp.
+// with a function as these, declare it here, call it in eval/program/commands.cpp, and list the file
+// in eval/CMakeLists.txt.
 #pragma once
 
 #include <string>
