@@ -143,6 +143,12 @@ const FeatureExtractor* find_feature_extractor(std::string_view name) {
   return nullptr;
 }
 
+void ExtractorChoice::choose(const FeatureExtractor& extractor) {
+  if (extractor.finds(FeatureKind::kLineIntersection)) line_intersection = &extractor;
+  if (extractor.finds(FeatureKind::kCorner)) corner = &extractor;
+  if (extractor.finds(FeatureKind::kContour)) contour = &extractor;
+}
+
 const FeatureExtractor& ExtractorChoice::of(FeatureKind kind) const {
   switch (kind) {
     case FeatureKind::kLineIntersection:

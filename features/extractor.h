@@ -113,6 +113,8 @@ struct ExtractorChoice {
   const FeatureExtractor* contour = nullptr;
 
   const FeatureExtractor& of(FeatureKind kind) const;
+  /// Takes one extractor for all kinds that it finds.
+  void choose(const FeatureExtractor& extractor);
 };
 
 /// One observation a predicted feature, in their order: features predicted hidden or outside the

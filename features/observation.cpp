@@ -32,6 +32,8 @@ std::string_view to_string(ObservationStatus status) {
       return "lines meet outside the window";
     case ObservationStatus::kNoCorner:
       return "no corner";
+    case ObservationStatus::kMissing:
+      return "missing";
   }
   return "unknown";
 }

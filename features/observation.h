@@ -23,6 +23,7 @@ enum class ObservationStatus {
   kParallelLines,     ///< the two lines found meet at too small an angle
   kOutsideWindow,     ///< what was found lies outside the window
   kNoCorner,          ///< the window holds no corner
+  kMissing,           ///< whoever was asked, outside of this folder, says nothing of it
 };
 
 inline constexpr std::array kObservationStatuses = {
@@ -31,7 +32,7 @@ inline constexpr std::array kObservationStatuses = {
     ObservationStatus::kSaturated,     ObservationStatus::kEmptyWindow,
     ObservationStatus::kNoOutline,     ObservationStatus::kTooFewEdgePixels,
     ObservationStatus::kParallelLines, ObservationStatus::kOutsideWindow,
-    ObservationStatus::kNoCorner,
+    ObservationStatus::kNoCorner,      ObservationStatus::kMissing,
 };
 
 /// Words for tables and files: "found", "hidden", "too few edge pixels", ...

@@ -3,12 +3,13 @@
 #include "eval/datasets/sightings.h"
 
 #include <algorithm>
-#include <limits>
 #include <map>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "eval/datasets/bop/layout.h"
 #include "eval/datasets/bop/results_csv.h"
 #include "eval/datasets/conventions.h"
 #include "eval/datasets/pictures.h"
@@ -96,36 +97,27 @@ void require_any_in_image(const SightingSource& source, const std::vector<Sighti
 
 // ---- priors
 
-// Every estimate, best score first, to the free instance of its image whose origin is nearest.
-void give_priors(const SightingSource& source, int obj_id, const Eigen::Matrix3d& target_from_model,
-                 std::vector<Sighting>& sightings) {
-  std::map<std::pair<int, int>, std::vector<Sighting*>> in_image;
-  for (Sighting& sighting : sightings) {
-    in_image[{sighting.scene_id, sighting.im_id}].push_back(&sighting);
-  }
+void give_priors(const SightingSource& source, SightedSet& set) {
   std::vector<BopEstimate> estimates = read_bop_results(source.priors);
-  std::erase_if(estimates, [obj_id](const BopEstimate& e) { return e.obj_id != obj_id; });
-  std::stable_sort(estimates.begin(), estimates.end(),
-                   [](const auto& a, const auto& b) { return a.score > b.score; });
-  bool has_any = false;
+  std::erase_if(estimates, [&set](const BopEstimate& e) { return e.obj_id != set.obj_id; });
+  std::vector<Pose> priors;
+  std::vector<PlaceInImage> places;
+  std::vector<double> scores;
   for (const BopEstimate& estimate : estimates) {
-    const Pose mm = cam_from_target(estimate.cam_from_model, target_from_model);
-    const Pose prior{nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
-    Sighting* nearest = nullptr;
-    double nearest_m = std::numeric_limits<double>::infinity();
-    for (Sighting* sighting : in_image[{estimate.scene_id, estimate.im_id}]) {
-      const double distance_m = (sighting->cam_from_target.translation - prior.translation).norm();
-      if (sighting->prior_cam_from_target || distance_m >= nearest_m) continue;
-      nearest = sighting;
-      nearest_m = distance_m;
-    }
-    if (nearest == nullptr) continue;
-    nearest->prior_cam_from_target = prior;
+    priors.push_back(pose_in_metres(estimate.cam_from_model, set.target_from_model));
+    places.push_back({estimate.scene_id, estimate.im_id, priors.back().translation});
+    scores.push_back(estimate.score);
+  }
+  bool has_any = false;
+  const std::vector<int> chosen = sightings_of(places, scores, set.sightings);
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    if (chosen[i] < 0) continue;
+    set.sightings[static_cast<size_t>(chosen[i])].prior_cam_from_target = priors[i];
     has_any = true;
   }
   if (has_any) return;
   throw InputError(fmt::format("{}: has no pose of object {} in an image of the set",
-                               source.priors.string(), obj_id));
+                               source.priors.string(), set.obj_id));
 }
 
 // The size of the first picture, which stands for all until they are read.
@@ -141,23 +133,63 @@ void set_camera_sizes(std::vector<Sighting>& sightings) {
 
 }  // namespace
 
-std::vector<Sighting> read_sightings(const SightingSource& source,
-                                     const std::shared_ptr<const Target>& target) {
+bool has_picture(std::span<const Sighting> sightings, int scene_id, int im_id) {
+  const auto of_scene = std::find_if(sightings.begin(), sightings.end(),
+                                     [=](const Sighting& s) { return s.scene_id == scene_id; });
+  if (of_scene == sightings.end()) return false;
+  const fs::path& beside = of_scene->picture;
+  return fs::exists(beside.parent_path() / (bop::image_name(im_id) + beside.extension().string()));
+}
+
+Pose pose_in_metres(const Pose& cam_from_model_mm, const Eigen::Matrix3d& target_from_model) {
+  const Pose mm = cam_from_target(cam_from_model_mm, target_from_model);
+  return {nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
+}
+
+std::vector<int> sightings_of(std::span<const PlaceInImage> estimates,
+                              std::span<const double> scores, std::span<const Sighting> sightings) {
+  std::map<std::pair<int, int>, std::vector<size_t>> in_image;
+  for (size_t i = 0; i < sightings.size(); ++i) {
+    in_image[{sightings[i].scene_id, sightings[i].im_id}].push_back(i);
+  }
+  std::vector<size_t> order(estimates.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](size_t a, size_t b) { return scores[a] > scores[b]; });
+  std::vector<int> chosen(estimates.size(), -1);
+  for (const size_t estimate : order) {
+    std::vector<size_t>& free = in_image[{estimates[estimate].scene_id, estimates[estimate].im_id}];
+    if (free.empty()) continue;
+    const auto distance_m = [&](size_t sighting) {
+      return (sightings[sighting].cam_from_target.translation - estimates[estimate].position_m)
+          .norm();
+    };
+    const auto nearest = std::min_element(free.begin(), free.end(), [&](size_t a, size_t b) {
+      return distance_m(a) < distance_m(b);
+    });
+    chosen[estimate] = static_cast<int>(*nearest);
+    free.erase(nearest);
+  }
+  return chosen;
+}
+
+SightedSet read_sightings(const SightingSource& source,
+                          const std::shared_ptr<const Target>& target) {
   if (!fs::is_directory(source.folder)) {
     throw InputError(fmt::format("{}: is no folder", source.folder.string()));
   }
   SetReading reading = set_reader_of(source).read(source);
   require_same_model(source, reading, *target);
-  std::vector<Sighting>& sightings = reading.sightings;
-  set_camera_sizes(sightings);
-  const Eigen::Matrix3d to_target = target_from_model(source.is_of_file_axes, *target);
-  for (Sighting& sighting : sightings) {
+  SightedSet set{std::move(reading.sightings), reading.obj_id,
+                 target_from_model(source.is_of_file_axes, *target)};
+  set_camera_sizes(set.sightings);
+  for (Sighting& sighting : set.sightings) {
     sighting.image = fs::relative(sighting.picture, source.folder).string();
-    sighting.cam_from_target = cam_from_target(sighting.cam_from_target, to_target);
+    sighting.cam_from_target = cam_from_target(sighting.cam_from_target, set.target_from_model);
   }
-  if (!source.priors.empty()) give_priors(source, reading.obj_id, to_target, sightings);
-  require_any_in_image(source, sightings, target);
-  return std::move(reading.sightings);
+  if (!source.priors.empty()) give_priors(source, set);
+  require_any_in_image(source, set.sightings, target);
+  return set;
 }
 
 }  // namespace sightline

@@ -5,8 +5,11 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "pose/camera.h"
 #include "pose/pose.h"
@@ -28,6 +31,14 @@ struct Sighting {
   Camera camera;  ///< its size is that of the set's first picture
   Pose cam_from_target;
   std::optional<Pose> prior_cam_from_target;  ///< where priors are given
+};
+
+/// A data set's sightings of the target, and how the set names it.
+struct SightedSet {
+  std::vector<Sighting> sightings;
+  int obj_id = 1;  ///< of the target, in BOP
+  /// Turns the frame that the set's poses are of into the target's.
+  Eigen::Matrix3d target_from_model = Eigen::Matrix3d::Identity();
 };
 
 /// Which sightings to read.
@@ -52,7 +63,28 @@ struct SightingSource {
 /// whose origin is nearest, best score first. Throws InputError, with the file, for whatever is
 /// missing or not so: a picture, an object, a model whose box is not the target's, poses of which
 /// none puts the target into its image.
-std::vector<Sighting> read_sightings(const SightingSource& source,
-                                     const std::shared_ptr<const Target>& target);
+SightedSet read_sightings(const SightingSource& source,
+                          const std::shared_ptr<const Target>& target);
+
+/// Whether the set has such a picture, though it may show no sighting: looked for among the files
+/// beside those of the scene's sightings.
+bool has_picture(std::span<const Sighting> sightings, int scene_id, int im_id);
+
+/// A pose in the set's frame of the model, in BOP's millimetres and its rotation as printed, as one
+/// of the target. Throws InputError for a rotation that is none.
+Pose pose_in_metres(const Pose& cam_from_model_mm, const Eigen::Matrix3d& target_from_model);
+
+/// An instance's or an estimate's place: its image, and its origin in the camera's frame.
+struct PlaceInImage {
+  int scene_id = 0;
+  int im_id = 0;
+  Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
+};
+
+/// The sighting that each estimate is of, by its index, or -1: every estimate, in the order that
+/// `scores` put them in, the best first, takes of its image's sightings the one that is nearest and
+/// not yet taken.
+std::vector<int> sightings_of(std::span<const PlaceInImage> estimates,
+                              std::span<const double> scores, std::span<const Sighting> sightings);
 
 }  // namespace sightline

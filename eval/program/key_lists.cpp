@@ -23,7 +23,9 @@ struct KeyTable {
   /// As a file writes it: "[image]", "[[other]]"; the keys above all tables have none.
   std::string heading() const {
     if (name.empty()) return "Above all tables";
-    const bool is_array = name == "other" || name == "poses.fixed";
+    constexpr std::array<std::string_view, 4> kArrays = {"other", "poses.fixed", "observations",
+                                                         "estimates"};
+    const bool is_array = std::find(kArrays.begin(), kArrays.end(), name) != kArrays.end();
     return is_array ? fmt::format("[[{}]]", name) : fmt::format("[{}]", name);
   }
 };

@@ -3,6 +3,7 @@
 #include "eval/program/run_command.h"
 
 #include <iostream>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -46,6 +47,15 @@ int exit_code_of(const RunResult& result) {
   std::cerr << fmt::format("sightline: {} of {} trials could not be run (see results.csv)\n",
                            result.failed_trials, result.trials);
   return kSomeTrialsNotRunExit;
+}
+
+StudyOverrides overrides_of(const RunArguments& arguments) {
+  StudyOverrides overrides = arguments.overrides;
+  // What is set by hand comes last, and counts.
+  std::vector<std::string> settings = guest_settings(arguments.guests);
+  settings.insert(settings.end(), overrides.set.begin(), overrides.set.end());
+  overrides.set = std::move(settings);
+  return overrides;
 }
 
 RunOptions run_options(const RunArguments& arguments) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "eval/program/guest_options.h"
 #include "eval/run/run.h"
 #include "eval/study/study_file.h"
 
@@ -18,6 +19,7 @@ namespace sightline {
 /// What the command line says of a run, whatever it runs.
 struct RunArguments {
   StudyOverrides overrides;
+  GuestArguments guests;
   std::string out;
   int jobs = 1;
   std::string shard;
@@ -28,6 +30,9 @@ struct RunArguments {
 
 /// Adds the options of every command that runs trials, but for --out, which --resume needs.
 void add_run_options(CLI::App& sub, CLI::Option* out, RunArguments& arguments);
+
+/// What the command line says over a study's file, the guests included.
+StudyOverrides overrides_of(const RunArguments& arguments);
 
 /// The same as options of a run whose folder and command are still to be said. Throws InputError
 /// for a shard that is none.

@@ -47,7 +47,7 @@ std::string failures(std::span<const TrialRecord> trials, const SolverMeans& mea
                      why);
 }
 
-mustache::data solver_line(const ReportInput& input, const PoseSolver& solver) {
+mustache::data solver_line(const ReportInput& input, const TrialSolver& solver) {
   const SolverMeans means = means_over_conditions(input.study, input.summary, solver.name);
   const Measured& theta = means.theta_error_deg;
   const Measured& t = means.t_error_percent;
@@ -55,7 +55,7 @@ mustache::data solver_line(const ReportInput& input, const PoseSolver& solver) {
   return mustache::object{
       {"solver", solver_label(solver.name)},
       {"evaluation_only", solver.evaluation_only},
-      {"summary", std::string(solver.summary)},
+      {"summary", solver.summary},
       {"theta", measure(theta.value)},
       {"theta_interval", interval(theta.ci95, decimals_for(theta.value))},
       {"t", measure(t.value)},
@@ -127,9 +127,9 @@ std::string bound_sentence(const Summary& summary) {
 mustache::data comparisons(const ReportInput& input) {
   mustache::data sentences(mustache::data::type::list);
   const std::string lead = lead_solver(input.study);
-  for (const PoseSolver* other : input.study.solvers()) {
-    if (other->evaluation_only || other->name == lead) continue;
-    const std::string sentence = comparison(input, lead, other->name);
+  for (const TrialSolver& other : input.study.solvers()) {
+    if (other.evaluation_only || other.name == lead) continue;
+    const std::string sentence = comparison(input, lead, other.name);
     if (!sentence.empty()) sentences << sentence;
   }
   const std::string bound = bound_sentence(input.summary);
@@ -142,8 +142,8 @@ mustache::data comparisons(const ReportInput& input) {
 std::string answer_figure(const ReportInput& input) {
   if (input.study.images() == nullptr) return sweep_answer(input);
   mustache::data solvers(mustache::data::type::list);
-  for (const PoseSolver* solver : input.study.solvers()) {
-    solvers << solver_line(input, *solver);
+  for (const TrialSolver& solver : input.study.solvers()) {
+    solvers << solver_line(input, solver);
   }
   return mustache::mustache(page_text("answer.mustache"))
       .render(mustache::object{

@@ -264,9 +264,9 @@ std::vector<FrameChoice> choose_frames(const Study& study, std::span<const Trial
   choose_kinds(choices, trials, lead);
   choose_worst(choices, sorted, 1, kWorstOfLead, lead);
   choose_missing(choices, trials);
-  for (const PoseSolver* solver : study.solvers()) {
-    if (solver->evaluation_only || solver->name == lead) continue;
-    const std::string name(solver->name);
+  for (const TrialSolver& solver : study.solvers()) {
+    if (solver.evaluation_only || solver.name == lead) continue;
+    const std::string name(solver.name);
     choose_kinds(choices, trials, name);
     choose_worst(choices, by_error(trials, name), 0, kWorstOfOthers, name);
   }

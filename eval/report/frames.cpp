@@ -53,7 +53,7 @@ std::vector<Layer> layers_of(const Study& study) {
   };
   for (size_t i = 0; i < study.solvers().size(); ++i) {
     layers.push_back(
-        {fmt::format("outline-{}", i), "outline by " + solver_label(study.solvers()[i]->name),
+        {fmt::format("outline-{}", i), "outline by " + solver_label(study.solvers()[i].name),
          fmt::format(R"(<path class="outline-{}" d="M-7 0H7"/>)", i % kOutlineStyles)});
   }
   return layers;
@@ -69,10 +69,11 @@ mustache::data legend(const Study& study) {
 }
 
 // Those that had to find out: the oracle is told.
-std::vector<std::string> removers_of(const TrialRecord& record, const std::string& feature) {
+std::vector<std::string> removers_of(const Study& study, const TrialRecord& record,
+                                     const std::string& feature) {
   std::vector<std::string> solvers;
   for (const EstimateRecord& estimate : record.estimates()) {
-    const PoseSolver* solver = find_pose_solver(estimate.solver);
+    const TrialSolver* const solver = study.find_solver(estimate.solver);
     if (solver != nullptr && solver->evaluation_only) continue;
     const auto& removed = estimate.removed;
     if (std::find(removed.begin(), removed.end(), feature) != removed.end()) {
@@ -85,7 +86,7 @@ std::vector<std::string> removers_of(const TrialRecord& record, const std::strin
 mustache::data outlines_of(const Study& study, const FrameEvidence& frame) {
   mustache::data list(mustache::data::type::list);
   for (size_t i = 0; i < study.solvers().size(); ++i) {
-    const auto found = frame.outlines.find(std::string(study.solvers()[i]->name));
+    const auto found = frame.outlines.find(std::string(study.solvers()[i].name));
     if (found == frame.outlines.end() || found->second.empty()) continue;
     list << mustache::object{
         {"index", fmt::to_string(i)},
@@ -159,13 +160,13 @@ int label_row(const cv::Rect& window, size_t index) {
   return index % 2 == 0 ? window.y - 4 : window.br().y + 11;
 }
 
-FeatureDrawings draw_features(const Trial& trial, bool has_picture) {
+FeatureDrawings draw_features(const Study& study, const Trial& trial, bool has_picture) {
   FeatureDrawings drawings;
   const size_t count = std::min(trial.observations.size(), trial.record.observations().size());
   for (size_t i = 0; i < count; ++i) {
     const Observation& observation = trial.observations[i];
     const ObservationRecord& record = trial.record.observations()[i];
-    const auto removers = removers_of(trial.record, record.feature);
+    const auto removers = removers_of(study, trial.record, record.feature);
     const std::string marks = feature_marks(observation, record, removers);
     const std::string label = short_name(i);
     const bool has_window = !observation.window.empty() && has_picture;
@@ -210,7 +211,7 @@ mustache::data frame_section(const Study& study, const FrameEvidence& frame, siz
   const FramePicture& picture = frame.picture;
   const std::string id = fmt::format("frame-{}", number);
   const bool has_picture = !picture.png_url.empty();
-  const FeatureDrawings drawings = draw_features(frame.trial, has_picture);
+  const FeatureDrawings drawings = draw_features(study, frame.trial, has_picture);
   const bool has_conditions = study.conditions.size() > 1;
   return mustache::object{
       {"id", id},
@@ -273,9 +274,9 @@ std::string trial_list(const ReportInput& input) {
                        {"frame", ordered_json::array()},      {"error", ordered_json::array()},
                        {"kind", ordered_json::array()}};
   const std::string lead = lead_solver(study);
-  for (const PoseSolver* solver : study.solvers()) {
-    if (solver->name == lead) json["lead"] = json["solvers"].size();
-    json["solvers"].push_back(solver_label(solver->name));
+  for (const TrialSolver& solver : study.solvers()) {
+    if (solver.name == lead) json["lead"] = json["solvers"].size();
+    json["solvers"].push_back(solver_label(solver.name));
     json["error"].push_back(ordered_json::array());
     json["kind"].push_back(ordered_json::array());
   }

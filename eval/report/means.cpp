@@ -25,9 +25,9 @@ std::optional<PaperFigure> mean_paper_figure(const Study& study, const std::vect
 
 std::string lead_solver(const Study& study) {
   std::string lead;
-  for (const PoseSolver* solver : study.solvers()) {
-    if (solver->name == "orpe") return "orpe";
-    if (lead.empty() && !solver->evaluation_only) lead = solver->name;
+  for (const TrialSolver& solver : study.solvers()) {
+    if (solver.name == "orpe") return "orpe";
+    if (lead.empty() && !solver.evaluation_only) lead = solver.name;
   }
   return lead;
 }

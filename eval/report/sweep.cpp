@@ -163,12 +163,12 @@ mustache::object answer_row(const ReportInput& input, const std::string& solver)
   for (const SweepQuantity& quantity : sweep_quantities(input.study, input.summary)) {
     if (!quantity.is_detail) cells << worst(input, quantity, solver);
   }
-  const PoseSolver* const pose_solver = find_pose_solver(solver);
+  const TrialSolver* const pose_solver = input.study.find_solver(solver);
   mustache::object row = {
       {"solver", label_in(input.study, solver)},
       {"cells", cells},
       {"evaluation_only",
-       !is_orientation(input.study) && pose_solver != nullptr && pose_solver->evaluation_only}};
+       pose_solver != nullptr && pose_solver->evaluation_only}};
   const Comparison comparison = compare(input, solver, input.study.solver_names().front());
   row["difference"] = fmt::format("{:.1e}", comparison.greatest_difference_deg);
   row["times"] = fmt::format("{} to {}", fixed(comparison.least_time_ratio, 2),

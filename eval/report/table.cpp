@@ -95,9 +95,9 @@ mustache::object mean_row(const ReportInput& input, std::string_view solver) {
 template <typename RowOf>
 mustache::data rows(const Study& study, const RowOf& row_of) {
   mustache::data list(mustache::data::type::list);
-  for (const PoseSolver* solver : study.solvers()) {
-    mustache::object row = row_of(solver->name);
-    row["solver"] = solver_label(solver->name);
+  for (const TrialSolver& solver : study.solvers()) {
+    mustache::object row = row_of(solver.name);
+    row["solver"] = solver_label(solver.name);
     list << mustache::data(row);
   }
   return list;

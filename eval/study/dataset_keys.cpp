@@ -26,13 +26,12 @@ SightedImages read_dataset(const TomlTable& table, const std::shared_ptr<const T
   const SightingSource source = read_source(table);
   SightedImages images;
   try {
-    images.sightings =
-        std::make_shared<const std::vector<Sighting>>(read_sightings(source, target));
+    images.set = std::make_shared<const SightedSet>(read_sightings(source, target));
   } catch (const InputError& error) {
     table.fail("dataset", fmt::format("cannot be used: {}", error.what()));
   }
   images.has_given_priors = !source.priors.empty();
-  const auto count = static_cast<int>(images.sightings->size());
+  const auto count = static_cast<int>(images.set->sightings.size());
   if (!table.has("trials")) draws = count;
   if (draws > count) {
     table.fail("trials",
@@ -45,7 +44,7 @@ SceneLaw dataset_scene(const TomlTable& table, const ImageStudy& images) {
   SceneLaw law;
   law.target = images.target;
   law.features = images.features;
-  law.camera = images.sighted->sightings->front().camera;
+  law.camera = images.sighted->set->sightings.front().camera;
   SightingSource source;
   law.sensor.bits = kMostBits;
   read_keys(table, dataset_keys(source, law.sensor.bits));

@@ -10,6 +10,7 @@
 #include "eval/study/key_tables.h"
 #include "eval/study/study_keys.h"
 #include "eval/study/sweep_keys.h"
+#include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {
@@ -19,6 +20,9 @@ const std::vector<std::string> kSweptOfDataset = {"prior", "extraction"};
 const std::vector<std::string> kSweptTables = {"camera", "poses", "image",     "background",
                                                "noise",  "light", "livery",    "motion",
                                                "other",  "prior", "extraction"};
+
+// What sets cells apart whose extractors differ.
+constexpr const char* kSweptExtractor = "extractor";
 
 std::map<std::string, PaperFigure> read_paper_figures(const TomlTable& table) {
   std::map<std::string, PaperFigure> figures;
@@ -56,6 +60,45 @@ void read_extraction(const TomlTable& file, bool is_noise_known, ImageSetup& set
   read_keys(file, extraction_keys(setup, mesh_fraction));
   if (setup.bias_removal != BiasRemoval::kOff) {
     setup.bias_target = decimated(setup.scene.target, mesh_fraction);
+  }
+}
+
+// The pictures that the study's trials show, or as many as guests need to know.
+ShownPictures pictures_of(const ImageStudy& study, const SceneLaw& law, const Study& common) {
+  std::vector<ShownTarget> shown;
+  if (study.sighted) {
+    const auto& sightings = study.sighted->set->sightings;
+    for (const Sighting& s : sightings) {
+      shown.push_back({{s.scene_id, s.im_id}, s.gt_id, s.image, s.camera, s.cam_from_target});
+    }
+    return {*study.target, std::move(shown), [&sightings](PictureName picture) {
+              return has_picture(sightings, picture.scene_id, picture.im_id);
+            }};
+  }
+  // Of more pictures than these the noise of observations need not be known.
+  constexpr int64_t kMostPictures = 1000;
+  const int64_t poses = std::max<int64_t>(1, static_cast<int64_t>(law.poses.t_m.size()));
+  for (int64_t draw = 0; draw < std::min(common.draws * poses, kMostPictures); ++draw) {
+    const DrawnScene drawn = draw_scene(law, static_cast<int>(draw % poses), common.seed, draw);
+    shown.push_back(
+        {{0, static_cast<int>(draw)}, 0, "", drawn.scene.camera, drawn.scene.cam_from_target});
+  }
+  return {*study.target, std::move(shown),
+          [](PictureName picture) { return picture.scene_id == 0; }};
+}
+
+// Who finds the features: guests by their name, one of the program's own for all kinds of features
+// that it can find, or for each kind the one that [extraction] names.
+void choose_extractor(const TomlTable& table, const std::string& name, const ImageStudy& study,
+                      const Study& common, GuestExtractors& guests, ImageSetup& setup) {
+  if (const FeatureExtractor* const own = find_feature_extractor(name)) {
+    setup.extractors.choose(*own);
+  } else if (name != kExtractorsByKind) {
+    try {
+      setup.guest = guests.find(name, pictures_of(study, setup.scene, common));
+    } catch (const InputError& error) {
+      table.fail("observations", fmt::format("cannot be used: {}", error.what()));
+    }
   }
 }
 
@@ -104,39 +147,76 @@ void reject_unknown_scene_keys(const TomlTable& table) {
   }
 }
 
-// A set-up for every cell of the sweeps.
-void read_setups(const TomlTable& table, ImageStudy& study, std::vector<Condition>& conditions) {
-  const std::vector<SweptCell> cells =
+// Each cell of the sweeps once for every extractor; where there is but one it sets nothing apart.
+std::vector<SweptCell> with_extractors(const std::vector<SweptCell>& swept,
+                                       const std::vector<std::string>& names) {
+  if (names.size() == 1) return swept;
+  std::vector<SweptCell> cells;
+  for (const SweptCell& cell : swept) {
+    for (const std::string& name : names) {
+      cells.push_back(cell);
+      cells.back().push_back({kSweptExtractor, fmt::format("'{}'", name)});
+    }
+  }
+  return cells;
+}
+
+// Files of observations are about one set of pictures.
+void require_one_set_of_pictures(const TomlTable& table, const ImageStudy& study,
+                                 const std::vector<SweptCell>& swept) {
+  if (study.sighted) return;
+  for (const SweptValue& value : swept.front()) {
+    const std::string changed = value.key.substr(0, value.key.find('.'));
+    if (changed == "prior" || changed == "extraction") continue;
+    table.fail("observations", fmt::format("cannot stand beside a sweep of {}: each of its values "
+                                           "makes other pictures",
+                                           value.key));
+  }
+}
+
+// A set-up for every cell of the sweeps, once for every extractor.
+void read_setups(const TomlTable& table, ImageStudy& study, Study& common,
+                 GuestExtractors& guests) {
+  const std::vector<SweptCell> swept =
       read_sweeps(table, study.sighted ? kSweptOfDataset : kSweptTables);
-  const std::vector<Condition> swept = conditions_of(cells);
+  if (guests.are_files_among()) require_one_set_of_pictures(table, study, swept);
+  const std::vector<std::string> names = read_extractor_names(table, guests);
+  const std::vector<SweptCell> cells = with_extractors(swept, names);
+  const std::vector<Condition> conditions = conditions_of(cells);
   for (size_t i = 0; i < cells.size(); ++i) {
     std::vector<std::string> settings;
     for (const SweptValue& value : cells[i]) {
+      if (value.key == kSweptExtractor) continue;
       settings.push_back(fmt::format("{}={}", value.key, value.literal));
     }
-    if (cells[i].empty()) {
+    if (settings.empty()) {
       study.setups.push_back(read_setup(table, study));
     } else {
       const TomlTable set = TomlTable::read_text(table.to_toml(), table.file(), settings);
       study.setups.push_back(read_setup(set, study));
       reject_unknown_scene_keys(set);
     }
-    add_cells(table, swept[i], study, conditions);
+    choose_extractor(table, names[i % names.size()], study, common, guests, study.setups.back());
+    add_cells(table, conditions[i], study, common.conditions);
   }
 }
 
 }  // namespace
 
-ImageStudy read_image_study(const TomlTable& table, Use use, Study& common) {
+ImageStudy read_image_study(const TomlTable& table, Use use, Study& common, const Guests& guests) {
   ImageStudy study;
-  if (use == Use::kTrials || table.has("solvers")) study.solving = read_solving(table, "prior");
   study.target = read_target(table);
   study.features = read_features(table, use, *study.target);
   if (table.has("dataset")) {
     if (use == Use::kRendering) table.fail("dataset", "has its images already");
     study.sighted = read_dataset(table, study.target, common.draws);
   }
-  read_setups(table, study, common.conditions);
+  if (use == Use::kTrials || table.has("solvers")) {
+    const SightedSet* const set = study.sighted ? study.sighted->set.get() : nullptr;
+    study.solving = read_solving(table, "prior", read_guest_solvers(table, set, guests.solvers));
+  }
+  GuestExtractors extractors(table, guests.extractors);
+  read_setups(table, study, common, extractors);
   read_setup(table, study);  // the keys as they stand are checked, though all be swept
   for (size_t i = 0; i < study.pose_law().t_m.size(); ++i) {
     read_paper_figures(table.table("poses").tables("fixed")[i].table("paper"));

@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "eval/doors/estimate_file.h"
+#include "eval/doors/observation_file.h"
+
 namespace sightline {
 namespace {
 
@@ -68,6 +71,14 @@ std::vector<Key> described_keys() {
        {},
        "",
        "pose solvers, see `sightline list solvers`"},
+      {"",
+       "extractors",
+       Described{"guests, or \"by_kind\"", "names"},
+       {},
+       "",
+       "who finds the features, a cell each: \"by_kind\" (those of [extraction]), one of "
+       "`sightline "
+       "list extractors` for all that it can find, or a name of [[observations]]"},
       {"",
        "methods",
        Described{"all", "names"},
@@ -312,11 +323,14 @@ std::vector<KeyText> study_keys() {
   PlantedOutliers planted;
   PointPairs pairs;
   ClaimLimits limits;
+  ObservationSource observations;
+  EstimateSource estimates;
   std::vector<KeyText> all;
   for (const std::vector<Key>& keys :
        {described_keys(), point_keys(pairs), dataset_keys(source, bits), keys_of(setup.prior),
         extraction_keys(setup, bias_mesh_fraction), solver_keys(start, options),
-        sigma_keys(is_sigma_known), keys_of(planted), axis_keys(), limit_keys(limits)}) {
+        sigma_keys(is_sigma_known), keys_of(planted), axis_keys(), limit_keys(limits),
+        keys_of(observations), keys_of(estimates)}) {
     for (KeyText& text : texts_of(keys, "")) all.push_back(std::move(text));
   }
   return all;

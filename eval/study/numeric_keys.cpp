@@ -81,7 +81,7 @@ void read_limits(const TomlTable& table, NumericStudy& study) {
 
 }  // namespace
 
-NumericStudy read_numeric_study(const TomlTable& table, Study& common) {
+NumericStudy read_numeric_study(const TomlTable& table, Study& common, const Guests& guests) {
   NumericStudy study;
   study.camera = read_camera(table.table("camera"));
   const TomlTable poses = table.table("poses");
@@ -91,7 +91,7 @@ NumericStudy read_numeric_study(const TomlTable& table, Study& common) {
   }
   read_position_ranges(poses, study.poses);
   study.prior = read_prior(table.table("prior"));
-  study.solving = read_solving(table, "free");
+  study.solving = read_solving(table, "free", read_guest_solvers(table, nullptr, guests.solvers));
   read_keys(table, sigma_keys(study.is_sigma_known));
   study.target = read_target(table);
   study.features = read_features(table, Use::kTrials, *study.target);

@@ -4,6 +4,7 @@
 // The keys that studies of images and numeric studies share: target and features, prior, solvers.
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -54,12 +55,25 @@ size_t index_of(const std::string& name, const std::vector<std::string>& names,
   return static_cast<size_t>(found - names.begin());
 }
 
-Solving read_solving(const TomlTable& table, const std::string& default_start) {
+Solving read_solving(const TomlTable& table, const std::string& default_start,
+                     std::vector<TrialSolver> guests) {
   Solving solving;
-  const std::vector<std::string> known = names_of(pose_solvers());
+  std::vector<TrialSolver> all;
+  for (const PoseSolver& solver : pose_solvers()) all.push_back(built_in(solver));
+  std::vector<std::string> fallback;
+  for (TrialSolver& guest : guests) {
+    fallback.push_back(guest.name);
+    all.push_back(std::move(guest));
+  }
+  const std::vector<std::string> known = names_of(all);
+  std::vector<std::string> names =
+      guests.empty() ? table.texts("solvers") : table.texts("solvers", fallback);
+  for (const std::string& guest : fallback) {
+    if (std::find(names.begin(), names.end(), guest) == names.end()) names.push_back(guest);
+  }
   std::set<std::string> seen;
-  for (const std::string& name : table.texts("solvers")) {
-    solving.solvers.push_back(&pose_solvers()[index_of(name, known, table, "solvers")]);
+  for (const std::string& name : names) {
+    solving.solvers.push_back(all[index_of(name, known, table, "solvers")]);
     if (!seen.insert(name).second) {
       table.fail("solvers", fmt::format("holds \"{}\" twice", name));
     }

@@ -15,12 +15,16 @@ std::string name_with(std::string_view solver, PoseInput input) {
   return fmt::format("{}/{}", solver, to_string(input));
 }
 
+bool can_be_given_inputs(const TrialSolver& solver) {
+  return !solver.evaluation_only && !solver.is_recorded;
+}
+
 std::vector<std::string> Solving::names() const {
   std::vector<std::string> names;
-  for (const PoseSolver* solver : solvers) names.emplace_back(solver->name);
+  for (const TrialSolver& solver : solvers) names.emplace_back(solver.name);
   for (const PoseInput input : inputs) {
-    for (const PoseSolver* solver : solvers) {
-      if (!solver->evaluation_only) names.push_back(name_with(solver->name, input));
+    for (const TrialSolver& solver : solvers) {
+      if (can_be_given_inputs(solver)) names.push_back(name_with(solver.name, input));
     }
   }
   return names;
@@ -33,7 +37,13 @@ int64_t ImageStudy::draw_of(int64_t trial) const {
 }
 
 const Sighting& ImageStudy::sighting_of(int64_t trial) const {
-  return (*sighted->sightings)[static_cast<size_t>(draw_of(trial))];
+  return sighted->set->sightings[static_cast<size_t>(draw_of(trial))];
+}
+
+TrialName ImageStudy::name_of(int64_t trial) const {
+  if (!sighted) return {.trial = trial, .im_id = static_cast<int>(draw_of(trial))};
+  const Sighting& sighting = sighting_of(trial);
+  return {trial, sighting.scene_id, sighting.im_id, sighting.gt_id};
 }
 
 const PoseStudy* Study::pose_study() const {
@@ -41,10 +51,17 @@ const PoseStudy* Study::pose_study() const {
   return numeric();
 }
 
-std::span<const PoseSolver* const> Study::solvers() const {
+std::span<const TrialSolver> Study::solvers() const {
   const PoseStudy* const study = pose_study();
   if (study == nullptr) return {};
   return study->solving.solvers;
+}
+
+const TrialSolver* Study::find_solver(std::string_view solver_name) const {
+  for (const TrialSolver& solver : solvers()) {
+    if (solver.name == solver_name) return &solver;
+  }
+  return nullptr;
 }
 
 std::vector<std::string> Study::solver_names() const {

@@ -17,6 +17,8 @@
 #include <vector>
 
 #include "eval/datasets/sightings.h"
+#include "eval/doors/trial_extractor.h"
+#include "eval/doors/trial_solver.h"
 #include "eval/study/label_limits.h"
 #include "eval/study/planted.h"
 #include "features/extractor.h"
@@ -63,10 +65,14 @@ std::string_view to_string(PoseInput input);
 /// The name under which a solver's estimates from such an input are kept: "lspe/exact".
 std::string name_with(std::string_view solver, PoseInput input);
 
+/// Whether a solver can be asked what it makes of other points than those that were extracted.
+bool can_be_given_inputs(const TrialSolver& solver);
+
 /// Which solvers estimate the pose of every trial, from where, and with which options.
 struct Solving {
-  std::vector<const PoseSolver*> solvers;
-  std::vector<PoseInput> inputs;  ///< that the solvers get besides what was extracted
+  std::vector<TrialSolver> solvers;
+  /// That the solvers get besides what was extracted: those that can_be_given_inputs.
+  std::vector<PoseInput> inputs;
   Start start = Start::kPrior;
   SolverOptions options;
 
@@ -99,6 +105,8 @@ struct ImageSetup {
   SceneLaw scene;
   PriorError prior;
   ExtractorChoice extractors;
+  /// Who finds the features in their place; null: they do.
+  std::shared_ptr<const TrialExtractor> guest;
   ExtractorOptions extractor_options;
   int passes = 1;  ///< of extraction; all but the first around the pose that came out before
   BiasRemoval bias_removal = BiasRemoval::kOff;
@@ -115,7 +123,7 @@ struct ImageCell {
 
 /// The images of a data set, which stand where a study else renders its own: one a draw.
 struct SightedImages {
-  std::shared_ptr<const std::vector<Sighting>> sightings;
+  std::shared_ptr<const SightedSet> set;
   bool has_given_priors = false;  ///< the sightings have them, as far as there are any
 };
 
@@ -131,6 +139,8 @@ struct ImageStudy : PoseStudy {
   /// The number that keys the random draws of a trial: set-ups share their draws, so that what is
   /// swept is all that differs between them.
   int64_t draw_of(int64_t trial) const;
+  /// The picture that a trial shows, as files of others name it.
+  TrialName name_of(int64_t trial) const;
   /// What a trial shows whose image is a data set's.
   const Sighting& sighting_of(int64_t trial) const;
   /// The camera of a cell's trials; where their images are a data set's, of its first.
@@ -159,6 +169,11 @@ struct NumericStudy : PoseStudy {
   bool is_sigma_known = false;  ///< the solvers are told the noise applied
   std::optional<ClaimLimits> limits;
   std::vector<NumericCell> cells;  ///< one a condition of the study
+
+  /// A trial as files of others name it: the image is the trial's number.
+  static TrialName name_of(int64_t trial) {
+    return {.trial = trial, .im_id = static_cast<int>(trial)};
+  }
 };
 
 /// What an orientation study draws: points uniform in a cube about the origin, three uniform Euler
@@ -207,7 +222,9 @@ struct Study {
   const PoseStudy* pose_study() const;
 
   /// The solvers that every trial has an estimate of; none in an orientation study.
-  std::span<const PoseSolver* const> solvers() const;
+  std::span<const TrialSolver> solvers() const;
+  /// The solver of that name; null where the study has none.
+  const TrialSolver* find_solver(std::string_view solver_name) const;
   /// The names of the solvers or, in an orientation study, of the methods.
   std::vector<std::string> solver_names() const;
   /// The poses that the file gives or the law they are drawn from; null for an orientation study.

@@ -38,7 +38,8 @@ void require_file_name(const TomlTable& table, const std::string& name) {
   }
 }
 
-Study read_table(const TomlTable& table, const std::string& fallback_name, Use use) {
+Study read_table(const TomlTable& table, const std::string& fallback_name, Use use,
+                 const Guests& guests) {
   Study study;
   const std::vector<std::string> kinds = {"images", "numeric", "orientation"};
   const std::string kind = table.choice("kind", kinds, kinds[0]);
@@ -54,11 +55,11 @@ Study read_table(const TomlTable& table, const std::string& fallback_name, Use u
   study.seed = static_cast<uint64_t>(table.integer("seed", {0, 9e15}, 1));
   study.draws = static_cast<int>(table.integer("trials", {1, kMaxTrials}, 100));
   if (kind == "numeric") {
-    study.kind = read_numeric_study(table, study);
+    study.kind = read_numeric_study(table, study, guests);
   } else if (kind == "orientation") {
     study.kind = read_orientation_study(table, study);
   } else {
-    study.kind = read_image_study(table, use, study);
+    study.kind = read_image_study(table, use, study, guests);
   }
   table.reject_unknown_keys();
   study.toml = text_as_run(table, study);
@@ -70,18 +71,27 @@ Study read_file(const std::string& name_or_path, const StudyOverrides& overrides
   std::vector<std::string> settings = settings_of(overrides);
   const TomlTable as_written = TomlTable::read_file(file, settings);
   // The study as run stands on its own: it says its name, and where what lies beside it is.
-  if (!as_written.has("name")) settings.push_back(fmt::format("name='{}'", file.stem().string()));
+  if (!as_written.has("name")) settings.push_back("name=" + toml_text(file.stem().string()));
   const auto place_beside = [&](const std::string& key, const std::filesystem::path& given) {
     const std::filesystem::path beside = std::filesystem::absolute(file).parent_path() / given;
     if (given.empty() || !given.is_relative() || !std::filesystem::exists(beside)) return;
-    settings.push_back(fmt::format("{}='{}'", key, beside.lexically_normal().string()));
+    settings.push_back(fmt::format("{}={}", key, toml_text(beside.lexically_normal().string())));
   };
   const std::filesystem::path target = as_written.text("target", "");
   if (target.has_extension()) place_beside("target", target);
   for (const char* key : {"path", "priors"}) {
     place_beside(fmt::format("dataset.{}", key), as_written.table("dataset").text(key, ""));
   }
-  return read_table(TomlTable::read_file(file, settings), file.stem(), use);
+  for (const char* guests : {"observations", "estimates"}) {
+    const size_t count = as_written.tables(guests).size();
+    for (size_t i = 0; i < count; ++i) {
+      const TomlTable guest = as_written.tables(guests)[i];
+      for (const char* key : {"file", "images"}) {
+        place_beside(fmt::format("{}.{}.{}", guests, i, key), guest.text(key, ""));
+      }
+    }
+  }
+  return read_table(TomlTable::read_file(file, settings), file.stem(), use, overrides.guests);
 }
 
 }  // namespace
@@ -97,13 +107,13 @@ Study read_scene(const std::string& name_or_path, const StudyOverrides& override
 Study read_study_text(const std::string& toml, const std::filesystem::path& source,
                       const StudyOverrides& overrides) {
   return read_table(TomlTable::read_text(toml, source, settings_of(overrides)), source.stem(),
-                    Use::kTrials);
+                    Use::kTrials, overrides.guests);
 }
 
 Study read_scene_text(const std::string& toml, const std::filesystem::path& source,
                       const StudyOverrides& overrides) {
   return read_table(TomlTable::read_text(toml, source, settings_of(overrides)), source.stem(),
-                    Use::kRendering);
+                    Use::kRendering, overrides.guests);
 }
 
 }  // namespace sightline

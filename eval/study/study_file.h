@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/study/guests.h"
 #include "eval/study/study.h"
 
 namespace sightline {
@@ -17,6 +18,7 @@ struct StudyOverrides {
   std::optional<int> trials;  ///< a condition
   std::optional<int64_t> seed;
   std::vector<std::string> set;  ///< "key=value"
+  Guests guests{};               ///< of whoever embeds this program
 };
 
 /// Reads a study by name or file. Throws InputError for whatever is missing, misspelt, out of range

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/study/guests.h"
 #include "eval/study/study.h"
 #include "scenes/files/toml_table.h"
 
@@ -30,8 +31,10 @@ std::vector<std::string> names_of(const Catalogue& catalogue) {
   return names;
 }
 
-/// The solvers and the table [solver].
-Solving read_solving(const TomlTable& study, const std::string& default_start);
+/// The solvers, the guests among them, and the table [solver]. A guest that `solvers` does not name
+/// comes after those that it names.
+Solving read_solving(const TomlTable& study, const std::string& default_start,
+                     std::vector<TrialSolver> guests);
 
 std::shared_ptr<const Target> read_target(const TomlTable& study);
 
@@ -48,8 +51,8 @@ SceneLaw dataset_scene(const TomlTable& study, const ImageStudy& images);
 
 // The kinds. Each reader appends the conditions of its cells to `common`; of images of a data set
 // it also says how many draws there are.
-ImageStudy read_image_study(const TomlTable& study, Use use, Study& common);
-NumericStudy read_numeric_study(const TomlTable& study, Study& common);
+ImageStudy read_image_study(const TomlTable& study, Use use, Study& common, const Guests& guests);
+NumericStudy read_numeric_study(const TomlTable& study, Study& common, const Guests& guests);
 OrientationStudy read_orientation_study(const TomlTable& study, Study& common);
 
 }  // namespace sightline

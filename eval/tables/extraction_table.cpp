@@ -206,14 +206,14 @@ std::string impact_block(const Study& study, const Summary& summary) {
   const std::vector<PoseInput>& inputs = study.pose_study()->solving.inputs;
   if (inputs.empty()) return "";
   std::vector<TextGroup> groups;
-  for (const PoseSolver* solver : study.solvers()) {
-    if (solver->evaluation_only) continue;
-    TextGroup group{std::string(solver->name), {}};
+  for (const TrialSolver& solver : study.solvers()) {
+    if (solver.evaluation_only) continue;
+    TextGroup group{std::string(solver.name), {}};
     for (const PoseInput input : inputs) {
       group.columns.push_back(error_column(std::string(to_string(input)), study, summary,
-                                           name_with(solver->name, input)));
+                                           name_with(solver.name, input)));
     }
-    group.columns.push_back(error_column("all", study, summary, std::string(solver->name)));
+    group.columns.push_back(error_column("all", study, summary, std::string(solver.name)));
     groups.push_back(std::move(group));
   }
   return text_block(

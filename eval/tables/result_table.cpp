@@ -69,8 +69,8 @@ std::vector<double> paper_values(const Study& study, const Quantity& error,
 // The solvers that the paper has figures of: the study's in its order.
 Texts paper_solvers(const Study& study) {
   Texts solvers;
-  for (const PoseSolver* solver : study.solvers()) {
-    const std::string name(solver->name);
+  for (const TrialSolver& solver : study.solvers()) {
+    const std::string name(solver.name);
     const bool is_in_paper = std::any_of(
         study.conditions.begin(), study.conditions.end(),
         [&](const Condition& condition) { return paper_figure(condition, name) != nullptr; });
@@ -117,8 +117,8 @@ std::string error_block(const Study& study, const Summary& summary, const Quanti
 
   std::vector<TextGroup> groups;
   if (!paper_solvers(study).empty()) groups.push_back(paper_group(study, summary, error));
-  for (const PoseSolver* solver : study.solvers()) {
-    groups.push_back(solver_group(study, summary, error, solver->name, decimals));
+  for (const TrialSolver& solver : study.solvers()) {
+    groups.push_back(solver_group(study, summary, error, solver.name, decimals));
   }
   groups.push_back({"bound", {number_column(study, summary, "mean", bounds, decimals)}});
   return text_block(fmt::format("{} and its 95 % interval", error.in_pose_studies.heading),
@@ -132,17 +132,17 @@ std::string solver_block(const Study& study, const Summary& summary) {
   TextColumn false_removals{"inliers removed", {}};
   TextColumn missed_outliers{"outliers kept", {}};
   TextColumn exact{"exactly right / %", {}};
-  for (const PoseSolver* solver : study.solvers()) {
+  for (const TrialSolver& solver : study.solvers()) {
     const auto mean_text = [&](double CellSummary::*member) {
-      return number_text(mean_over_conditions(summary, solver->name, member), 2);
+      return number_text(mean_over_conditions(summary, solver.name, member), 2);
     };
-    labels.emplace_back(solver->name);
+    labels.emplace_back(solver.name);
     to_oracle.cells.push_back(mean_text(&CellSummary::ratio_to_oracle));
     to_bound.cells.push_back(mean_text(&CellSummary::ratio_to_bound));
     false_removals.cells.push_back(mean_text(&CellSummary::false_removals));
     missed_outliers.cells.push_back(mean_text(&CellSummary::missed_outliers));
     exact.cells.push_back(number_text(
-        100 * mean_over_conditions(summary, solver->name, &CellSummary::exact_set_rate), 1));
+        100 * mean_over_conditions(summary, solver.name, &CellSummary::exact_set_rate), 1));
   }
   const std::string heading = fmt::format("Geodesic error, and removals a trial{}",
                                           has_mean_row(study) ? ", mean over the conditions" : "");

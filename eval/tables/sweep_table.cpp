@@ -49,9 +49,9 @@ SweepQuantity in_detail(SweepQuantity quantity) {
 }
 
 bool has_oracle(const NumericStudy& study) {
-  const std::vector<const PoseSolver*>& solvers = study.solving.solvers;
+  const std::vector<TrialSolver>& solvers = study.solving.solvers;
   return std::any_of(solvers.begin(), solvers.end(),
-                     [](const PoseSolver* solver) { return solver->name == "oracle"; });
+                     [](const TrialSolver& solver) { return solver.name == "oracle"; });
 }
 
 // The errors that the paper prints, with their means and the mean of the bound.

@@ -77,7 +77,23 @@ void keep_diagnosis(const Diagnosis& diagnosis, EstimateRecord& out) {
   out.is_test_failed = diagnosis.is_test_failed;
 }
 
-EstimateRecord solve(const PoseStudy& study, const PoseSolver& solver, const std::string& name,
+// Whether an answer is a pose at all: guests may answer anything.
+bool is_rigid(const Pose& pose) {
+  constexpr double kTolerance = 1e-6;  // of a rotation's numbers, which solvers keep far better
+  const Eigen::Matrix3d product = pose.rotation.transpose() * pose.rotation;
+  return pose.translation.allFinite() && product.allFinite() &&
+         product.isApprox(Eigen::Matrix3d::Identity(), kTolerance) &&
+         pose.rotation.determinant() > 0;
+}
+
+// The names of the points that a solver is given.
+std::vector<std::string> features_of(const FoundPoints& found, const TrialRecord& record) {
+  std::vector<std::string> features;
+  for (const int slot : found.slots) features.push_back(record.observations()[slot].feature);
+  return features;
+}
+
+EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const std::string& name,
                      const FoundPoints& found, const TrialRecord& record) {
   PoseProblem problem = found.problem;
   if (solver.evaluation_only) {
@@ -85,11 +101,14 @@ EstimateRecord solve(const PoseStudy& study, const PoseSolver& solver, const std
       problem.true_inliers.push_back(!record.observations()[slot].is_outlier);
     }
   }
-  const PoseEstimate estimate = solver.solve(problem, study.solving.options);
+  const std::vector<std::string> features = features_of(found, record);
+  const SolverAnswer answer = solver.solve({problem, study.solving.options, features, found.trial});
+  const PoseEstimate& estimate = answer.estimate;
   EstimateRecord out;
   out.solver = name;
-  out.status = from_string<EstimateOutcome>(to_string(estimate.status));
-  if (estimate.status != PoseStatus::kOk) return out;
+  out.status = answer.outcome;
+  if (out.is_ok() && !is_rigid(estimate.cam_from_target)) out.status = EstimateOutcome::kNotRigid;
+  if (!out.is_ok()) return out;
 
   const Pose& pose = estimate.cam_from_target;
   const Pose& truth = record.true_cam_from_target;
@@ -174,14 +193,14 @@ FoundPoints points_for(PoseInput input, uint64_t seed, const FoundPoints& found,
 std::vector<EstimateRecord> estimates_of(const PoseStudy& study, uint64_t seed,
                                          const FoundPoints& found, const TrialRecord& record) {
   std::vector<EstimateRecord> estimates;
-  for (const PoseSolver* solver : study.solving.solvers) {
-    estimates.push_back(solve(study, *solver, std::string(solver->name), found, record));
+  for (const TrialSolver& solver : study.solving.solvers) {
+    estimates.push_back(solve(study, solver, solver.name, found, record));
   }
   for (const PoseInput input : study.solving.inputs) {
     const FoundPoints points = points_for(input, seed, found, record);
-    for (const PoseSolver* solver : study.solving.solvers) {
-      if (solver->evaluation_only) continue;
-      estimates.push_back(solve(study, *solver, name_with(solver->name, input), points, record));
+    for (const TrialSolver& solver : study.solving.solvers) {
+      if (!can_be_given_inputs(solver)) continue;
+      estimates.push_back(solve(study, solver, name_with(solver.name, input), points, record));
     }
   }
   return estimates;

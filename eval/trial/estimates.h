@@ -14,6 +14,7 @@ namespace sightline {
 struct FoundPoints {
   PoseProblem problem;
   std::vector<int> slots;  ///< point -> index into the trial's observations
+  TrialName trial;
 };
 
 /// What each solver of the study makes of the points, against the truth in the trial's record. Only

@@ -15,6 +15,7 @@ namespace {
 
 FoundPoints found_points(const ImageStudy& study, const Trial& trial, const Pose& looked_around) {
   FoundPoints found;
+  found.trial = study.name_of(trial.record.trial);
   PoseProblem& problem = found.problem;
   problem.camera = trial.scene.camera;
   if (study.solving.start == Start::kPrior) {
@@ -113,11 +114,13 @@ Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Ren
 void extract_and_solve(const ImageStudy& study, uint64_t seed, Trial& trial, Renderer& renderer) {
   TrialRecord& record = trial.record;
   PoseTrial& pose_trial = record.pose_trial();
-  Extraction extraction =
-      extract_in_passes(study, study.setup_of(record.condition), trial.scene, trial.frame.image,
-                        pose_trial.prior_cam_from_target, renderer);
+  Extraction extraction = extract(study, record, trial.scene, trial.frame.image, renderer);
   trial.observations = std::move(extraction.observations);
   pose_trial.observations = compare_with_truth(study, trial);
+  if (extraction.problem) {
+    pose_trial.estimates = failed_estimates(study.solving, *extraction.problem);
+    return;
+  }
   const FoundPoints found = found_points(study, trial, extraction.cam_from_target);
   pose_trial.estimates = estimates_of(study, seed, found, record);
 }

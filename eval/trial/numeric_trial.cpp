@@ -105,8 +105,11 @@ void plant_outliers(const NumericStudy& study, int count, RandomStream& stream,
   }
 }
 
-FoundPoints all_points(const NumericStudy& study, const NumericCell& cell, const PoseTrial& trial) {
+FoundPoints all_points(const NumericStudy& study, const TrialRecord& record) {
+  const NumericCell& cell = study.cells[record.condition];
+  const PoseTrial& trial = record.pose_trial();
   FoundPoints found;
+  found.trial = study.name_of(record.trial);
   PoseProblem& problem = found.problem;
   problem.camera = study.camera;
   if (study.solving.start == Start::kPrior) {
@@ -156,7 +159,7 @@ TrialRecord run_numeric_trial(const NumericStudy& study, uint64_t seed, int64_t 
       observation.label = ObservationLabel::kMissing;
     }
   }
-  trial.estimates = estimates_of(study, seed, all_points(study, cell, trial), record);
+  trial.estimates = estimates_of(study, seed, all_points(study, record), record);
   return record;
 }
 }  // namespace sightline

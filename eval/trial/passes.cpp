@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Geometry>
 
@@ -30,8 +31,8 @@ struct Task {
   double white;
 };
 
-std::vector<Observation> extract(const Task& task, const cv::Mat& image, const PosePrior& prior,
-                                 const ExtractorOptions& options) {
+std::vector<Observation> look(const Task& task, const cv::Mat& image, const PosePrior& prior,
+                              const ExtractorOptions& options) {
   const PredictedView view =
       predict_features(*task.study.target, task.study.features, task.camera, prior);
   return extract_features(image, task.white, view, task.setup.extractors, options);
@@ -124,7 +125,7 @@ cv::Mat rendering_at(const Pose& cam_from_target, const Scene& scene, const Imag
 // not found there is no longer trusted.
 void remove_bias(const Task& task, const cv::Mat& rendering, const PosePrior& pose,
                  const ExtractorOptions& options, std::vector<Observation>& observations) {
-  const std::vector<Observation> rendered = extract(task, rendering, pose, options);
+  const std::vector<Observation> rendered = look(task, rendering, pose, options);
   for (size_t i = 0; i < observations.size(); ++i) {
     Observation& observation = observations[i];
     if (observation.status != ObservationStatus::kFound) continue;
@@ -136,21 +137,26 @@ void remove_bias(const Task& task, const cv::Mat& rendering, const PosePrior& po
   }
 }
 
-}  // namespace
+Extraction ask_guest(const Task& task, const TrialName& trial, const cv::Mat& image,
+                     const PosePrior& prior) {
+  const PredictedView view =
+      predict_features(*task.study.target, task.study.features, task.camera, prior);
+  ExtractorAnswer answer = task.setup.guest->extract({image, task.white, view, trial});
+  if (answer.problem) answer.observations = missing_observations(view);
+  return {std::move(answer.observations), prior.cam_from_target, answer.problem};
+}
 
-Extraction extract_in_passes(const ImageStudy& study, const ImageSetup& setup, const Scene& scene,
-                             const cv::Mat& image, const Pose& prior_cam_from_target,
-                             Renderer& renderer) {
-  const Task task{study, setup, scene.camera, std::exp2(scene.sensor.bits) - 1};
-  const PosePrior prior = prior_of(prior_cam_from_target, scene.camera, setup.prior);
+Extraction extract_in_passes(const Task& task, const Scene& scene, const cv::Mat& image,
+                             const PosePrior& prior, Renderer& renderer) {
+  const ImageSetup& setup = task.setup;
   ExtractorOptions options = setup.extractor_options;
   PosePrior pose = prior;
-  Extraction extraction{extract(task, image, prior, options), prior.cam_from_target};
+  Extraction extraction{look(task, image, prior, options), prior.cam_from_target};
   options.is_gated = true;
   for (int pass = 1; pass < setup.passes; ++pass) {
     const auto better = improved(task, extraction.observations, prior, extraction.cam_from_target);
     if (!better) break;
-    auto observations = extract(task, image, *better, options);
+    auto observations = look(task, image, *better, options);
     if (2 * found_count(observations) < found_count(extraction.observations)) break;
     pose = *better;
     extraction = {std::move(observations), better->cam_from_target};
@@ -163,9 +169,21 @@ Extraction extract_in_passes(const ImageStudy& study, const ImageSetup& setup, c
                                    ? kFloorAfterKnownLight
                                    : kFloorAfterWrongLight;
   const cv::Mat rendering = rendering_at(last->cam_from_target, scene, setup, renderer);
-  extraction = {extract(task, image, *last, options), last->cam_from_target};
+  extraction = {look(task, image, *last, options), last->cam_from_target};
   remove_bias(task, rendering, *last, options, extraction.observations);
   return extraction;
+}
+
+}  // namespace
+
+Extraction extract(const ImageStudy& study, const TrialRecord& record, const Scene& scene,
+                   const cv::Mat& image, Renderer& renderer) {
+  const ImageSetup& setup = study.setup_of(record.condition);
+  const Task task{study, setup, scene.camera, std::exp2(scene.sensor.bits) - 1};
+  const PosePrior prior =
+      prior_of(record.pose_trial().prior_cam_from_target, scene.camera, setup.prior);
+  if (setup.guest) return ask_guest(task, study.name_of(record.trial), image, prior);
+  return extract_in_passes(task, scene, image, prior, renderer);
 }
 
 }  // namespace sightline

@@ -21,6 +21,23 @@
 
 namespace sightline {
 
+std::string toml_text(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    constexpr unsigned char kDelete = 0x7f;
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (code < ' ' || code == kDelete) {
+      out += fmt::format("\\u{:04x}", code);
+    } else {
+      out += c;
+    }
+  }
+  return out + '"';
+}
+
 struct TomlTable::Document {
   std::filesystem::path file;
   toml::table root;

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "pose/pose.h"
@@ -21,10 +23,16 @@ struct BopEstimate {
   Pose cam_from_model;  ///< mm; its rotation as the file has it, rounded
   double time_s = -1;   ///< of the whole image; -1: not known
   int line = 0;         ///< of the file, from 1
+  // What BOP does not know, from columns that may follow its own.
+  std::optional<Matrix6d> covariance_rad_m;  ///< of (w, dt), as PoseEstimate::covariance
+  std::vector<std::string> removed;          ///< names of features judged outliers
 };
 
 /// Reads a results file of the BOP challenge: the header scene_id,im_id,obj_id,score,R,t,time, then
 /// a line an estimate; R is nine numbers row by row and t three, in mm, with spaces between them.
+/// Two more columns may follow: `covariance`, 21 numbers with spaces between them, the upper
+/// triangle by rows of the covariance of (w, dt), cam_from_model = (Exp(w) R, t + dt), radians and
+/// metres; and `removed`, names of features with semicolons between them. Either may be empty.
 /// Throws InputError, with file and line, for whatever is not so, and for an R that is not a
 /// rotation within what a few printed digits leave (1e-2).
 std::vector<BopEstimate> read_bop_results(const std::filesystem::path& file);

@@ -1,6 +1,5 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,14 +10,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "eval/output/json.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/run_command.h"
 #include "eval/study/study_file.h"
 #include "eval/work/interrupt.h"
-#include "features/extractor.h"
 #include "scenes/files/assets.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/toml_table.h"
 
 namespace sightline {
 namespace {
@@ -35,15 +33,9 @@ struct EvaluateArguments {
   std::optional<int> object;
   std::string axes = "target";
   std::string prior = kDrawnPrior;
-  std::string extractor;
   std::vector<std::string> solvers = kSolvers;
   RunArguments run;
 };
-
-// A text as TOML writes it: JSON's escapes are among TOML's.
-std::string quoted(const std::string& text) {
-  return Json(text).dump();
-}
 
 // The set's folder as the name of a run, which is to be a file's.
 std::string name_of(const fs::path& dataset) {
@@ -55,26 +47,6 @@ std::string name_of(const fs::path& dataset) {
     if (!is_plain) c = '-';
   }
   return "evaluate-" + name;
-}
-
-// What makes an extractor that of every kind of feature which it finds.
-std::string extraction_table(const std::string& name) {
-  if (name.empty()) return "";
-  const FeatureExtractor* const extractor = find_feature_extractor(name);
-  if (extractor == nullptr) {
-    std::vector<std::string> names;
-    for (const FeatureExtractor& known : feature_extractors()) names.emplace_back(known.name);
-    throw InputError(fmt::format("--extractor {}: is not known{}", name, suggestion(name, names)));
-  }
-  constexpr std::array<std::pair<const char*, FeatureKind>, 3> kKeys = {
-      {{"line_intersection", FeatureKind::kLineIntersection},
-       {"corner", FeatureKind::kCorner},
-       {"contour", FeatureKind::kContour}}};
-  std::string table = "[extraction]\n";
-  for (const auto& [key, kind] : kKeys) {
-    if (extractor->finds(kind)) table += fmt::format("{} = {}\n", key, quoted(name));
-  }
-  return table;
 }
 
 // A shipped target by its name, any other by its place, wherever the study is read again.
@@ -89,26 +61,29 @@ std::string study_text(const EvaluateArguments& a) {
   const std::string name = name_of(a.dataset);
   const std::string set = name.substr(name.find('-') + 1);
   std::vector<std::string> solvers;
-  for (const std::string& solver : a.solvers) solvers.push_back(quoted(solver));
-  std::string text = fmt::format("name = {}\n", quoted(name));
-  text += fmt::format("title = {}\n", quoted("Features and pose on the images of " + set));
+  for (const std::string& solver : a.solvers) solvers.push_back(toml_text(solver));
+  std::string text = fmt::format("name = {}\n", toml_text(name));
+  text += fmt::format("title = {}\n", toml_text("Features and pose on the images of " + set));
   text += fmt::format("question = {}\n",
-                      quoted(fmt::format("How well do these solvers do on {}?", set)));
-  text += fmt::format("target = {}\n", quoted(target_of(a.target)));
+                      toml_text(fmt::format("How well do these solvers do on {}?", set)));
+  text += fmt::format("target = {}\n", toml_text(target_of(a.target)));
   text += fmt::format("solvers = [{}]\n", fmt::join(solvers, ", "));
   text += fmt::format("[dataset]\npath = {}\naxes = {}\n",
-                      quoted(fs::absolute(a.dataset).lexically_normal().string()), quoted(a.axes));
-  if (!a.split.empty()) text += fmt::format("split = {}\n", quoted(a.split));
+                      toml_text(fs::absolute(a.dataset).lexically_normal().string()),
+                      toml_text(a.axes));
+  if (!a.split.empty()) text += fmt::format("split = {}\n", toml_text(a.split));
   if (a.object) text += fmt::format("object = {}\n", *a.object);
   if (a.prior != kDrawnPrior) {
-    text += fmt::format("priors = {}\n", quoted(fs::absolute(a.prior).lexically_normal().string()));
+    text +=
+        fmt::format("priors = {}\n", toml_text(fs::absolute(a.prior).lexically_normal().string()));
   }
-  return text + extraction_table(a.extractor);
+  return text;
 }
 
 int run_evaluate(const EvaluateArguments& arguments, const std::string& command) {
   remember_interrupts();
-  const Study study = read_study_text(study_text(arguments), "evaluate", arguments.run.overrides);
+  const Study study =
+      read_study_text(study_text(arguments), "evaluate", overrides_of(arguments.run));
   return run_command(study, arguments.run, arguments.run.out, command);
 }
 
@@ -144,9 +119,6 @@ void add_evaluate(CLI::App& app, const std::string& command, int& exit_code) {
                   "results CSV of anyone's poses, mm (SPEED+: scene_id 0, im_id the place in the "
                   "list from 0, obj_id 1); an instance without one there is a failed trial")
       ->capture_default_str();
-  sub->add_option("--extractor", arguments->extractor,
-                  "For all features that it can find (`sightline list extractors`); one for each "
-                  "kind: --set extraction.corner=NAME, ...");
   sub->add_option("--solvers", arguments->solvers, "Comma-separated (`sightline list solvers`)")
       ->delimiter(',')
       ->capture_default_str();
@@ -154,6 +126,7 @@ void add_evaluate(CLI::App& app, const std::string& command, int& exit_code) {
   sub->add_option("--set", arguments->run.overrides.set,
                   "key=value of a study, for example extraction.passes=2; may be repeated")
       ->allow_extra_args(false);
+  add_guest_options(*sub, arguments->run.guests);
   add_run_options(*sub, out, arguments->run);
   sub->callback(
       [arguments, command, &exit_code] { exit_code = run_evaluate(*arguments, command); });

@@ -57,7 +57,7 @@ int plan_command(const StudyArguments& arguments) {
 int run_study_command(const StudyArguments& arguments, const std::string& command) {
   if (arguments.planned_width > 0) return plan_command(arguments);
   remember_interrupts();
-  const Study study = read_study(arguments.study, arguments.run.overrides);
+  const Study study = read_study(arguments.study, overrides_of(arguments.run));
   const fs::path out =
       arguments.run.out.empty() ? free_folder(study.name) : fs::path(arguments.run.out);
   return run_command(study, arguments.run, out, command);
@@ -87,6 +87,7 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
   sub->add_option("--set", arguments->run.overrides.set,
                   "key=value over the study's file, for example noise.scale=2; may be repeated")
       ->allow_extra_args(false);
+  add_guest_options(*sub, arguments->run.guests);
   add_run_options(*sub, out, arguments->run);
   add_gl(*sub, arguments->run.gl);
   sub->add_option("--plan", arguments->planned_width,

@@ -52,8 +52,8 @@ class ForeignSpeed : public testing::Test {
 };
 
 TEST_F(ForeignSpeed, IsReadByItsDocumentation) {
-  for (const auto& sightings : {read_sightings(source("synthetic", ""), cube_),
-                                read_sightings(source("", "synthetic/train"), cube_)}) {
+  for (const auto& sightings : {read_sightings(source("synthetic", ""), cube_).sightings,
+                                read_sightings(source("", "synthetic/train"), cube_).sightings}) {
     ASSERT_EQ(sightings.size(), 1u);
     const Sighting& sighting = sightings[0];
     EXPECT_EQ(sighting.camera.fy_px, 915);
@@ -78,7 +78,7 @@ TEST_F(ForeignSpeed, OfTheFirstChallengeIsReadToo) {
                                    "fy": 0.0183})");
   folder_.write("train.json", R"([{"filename": "img1.jpg", "q_vbs2tango": [1, 0, 0, 0],
                                    "r_Vo2To_vbs_true": [0.1, -0.2, 10]}])");
-  const auto sightings = read_sightings(source("", ""), cube_);
+  const auto sightings = read_sightings(source("", ""), cube_).sightings;
   EXPECT_NEAR(sightings[0].camera.fx_px, 900, 1e-9);
   EXPECT_NEAR(sightings[0].camera.fy_px, 915, 1e-9);
   EXPECT_EQ(sightings[0].camera.cx_px, 159.5);

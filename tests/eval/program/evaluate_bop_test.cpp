@@ -115,7 +115,7 @@ class ForeignSet : public testing::Test {
 };
 
 TEST_F(ForeignSet, IsReadInTheOrderOfItsImages) {
-  const std::vector<Sighting> sightings = read_sightings(source(), cube_);
+  const std::vector<Sighting> sightings = read_sightings(source(), cube_).sightings;
   ASSERT_EQ(sightings.size(), 2u);
   for (size_t i = 0; i < 2; ++i) {
     const Sighting& sighting = sightings[i];
@@ -166,10 +166,11 @@ TEST_F(ForeignSet, HasItsPosesOfTheAxesOfTheFile) {
   ASSERT_FALSE(of_axes.rotation.isApprox(poses_[1].rotation, 0.1));
   Pose other;
   write("scene_gt.json", {{"17", {entry_of(of_axes, 4)}}});
-  const auto sightings = read_sightings(of_file, cube_);
+  const auto sightings = read_sightings(of_file, cube_).sightings;
   EXPECT_TRUE(sightings[0].cam_from_target.rotation.isApprox(poses_[1].rotation, 1e-12));
-  EXPECT_FALSE(read_sightings(source(), cube_)[0].cam_from_target.rotation.isApprox(
-      poses_[1].rotation, 0.1));
+  EXPECT_FALSE(read_sightings(source(), cube_)
+                   .sightings[0]
+                   .cam_from_target.rotation.isApprox(poses_[1].rotation, 0.1));
 }
 
 TEST_F(ForeignSet, MustBeOfTheTargetsModel) {
@@ -191,11 +192,11 @@ TEST_F(ForeignSet, MustBeOfTheTargetsModel) {
 TEST_F(ForeignSet, ObeysTheListOfTargetsInTestSplitsAlone) {
   folder_.write("set/test_targets_bop19.json",
                 R"([{"scene_id": 5, "im_id": 17, "obj_id": 4, "inst_count": 1}])");
-  EXPECT_EQ(read_sightings(source(), cube_).size(), 1u);
+  EXPECT_EQ(read_sightings(source(), cube_).sightings.size(), 1u);
   fs::rename(scene_.parent_path(), folder_.path() / "set/train_pbr");
   SightingSource training = source();
   training.split = "train_pbr";
-  EXPECT_EQ(read_sightings(training, cube_).size(), 2u);
+  EXPECT_EQ(read_sightings(training, cube_).sightings.size(), 2u);
 }
 
 TEST_F(ForeignSet, TakesTheMostVisibleOfMoreInstancesThanAreAskedFor) {
@@ -208,7 +209,7 @@ TEST_F(ForeignSet, TakesTheMostVisibleOfMoreInstancesThanAreAskedFor) {
   const auto seen_with = [&](double first, double second) {
     write("scene_gt_info.json", {{"17", {{{"visib_fract", first}}, {{"visib_fract", second}}}},
                                  {"3", {{{"visib_fract", 1}}, {{"visib_fract", 1}}}}});
-    const std::vector<Sighting> sightings = read_sightings(source(), cube_);
+    const std::vector<Sighting> sightings = read_sightings(source(), cube_).sightings;
     EXPECT_EQ(sightings.size(), 1u);
     return sightings.front().gt_id;
   };
@@ -263,7 +264,7 @@ TEST_F(ForeignSet, TakesPriorsFromAFile) {
   with_priors.priors =
       folder_.write("priors.csv", kHeader + line_of(3, 0.1, far) + line_of(3, 0.9, near) +
                                       line_of(3, 1, far, 9) + line_of(4, 1, far));
-  const auto sightings = read_sightings(with_priors, cube_);
+  const auto sightings = read_sightings(with_priors, cube_).sightings;
   ASSERT_TRUE(sightings[0].prior_cam_from_target);
   EXPECT_TRUE(sightings[0].prior_cam_from_target->translation.isApprox(near.translation, 1e-12));
   EXPECT_FALSE(sightings[1].prior_cam_from_target);
@@ -289,7 +290,7 @@ TEST_F(ForeignSet, TakesPriorsFromAFile) {
   EXPECT_THAT(read_whole(folder_.path() / "out/results.csv"), Not(HasSubstr("lspe,ok")));
 
   with_priors.priors = folder_.write("none.csv", kHeader + line_of(4, 1, far));
-  EXPECT_THAT(error_of([&] { read_sightings(with_priors, cube_); }),
+  EXPECT_THAT(error_of([&] { read_sightings(with_priors, cube_).sightings; }),
               HasSubstr("has no pose of object 4"));
 }
 
@@ -298,7 +299,7 @@ TEST_F(ForeignSet, GivesEachInstanceThePriorThatIsNear) {
   SightingSource with_priors = source();
   with_priors.priors = folder_.write(
       "priors.csv", kHeader + line_of(17, 0.5, poses_[1]) + line_of(17, 0.4, poses_[0]));
-  const auto sightings = read_sightings(with_priors, cube_);
+  const auto sightings = read_sightings(with_priors, cube_).sightings;
   ASSERT_EQ(sightings.size(), 2u);
   for (size_t i = 0; i < 2; ++i) {
     EXPECT_EQ(sightings[i].gt_id, static_cast<int>(i));

@@ -52,8 +52,8 @@ TEST(ChartScale, DoesNotStretchDownToErrorsWithoutNoise) {
 
 Study swept_study() {
   Study study;
-  study.kind.emplace<NumericStudy>().solving.solvers = {find_pose_solver("lspe"),
-                                                        find_pose_solver("orpe")};
+  study.kind.emplace<NumericStudy>().solving.solvers = {built_in(*find_pose_solver("lspe")),
+                                                        built_in(*find_pose_solver("orpe"))};
   for (const double outliers : {1.0, 2.0}) {
     for (const double noise_px : {3.0, 1.0, 2.0}) {
       Condition& condition = study.conditions.emplace_back();

@@ -20,7 +20,7 @@ using ::testing::Not;
 // quantile.
 struct TwentyPoses {
   TwentyPoses() {
-    images_of(study).solving.solvers = {find_pose_solver("orpe_weighed")};
+    images_of(study).solving.solvers = {built_in(*find_pose_solver("orpe_weighed"))};
     study.conditions.resize(1);
     for (int i = 0; i < 20; ++i) {
       TrialRecord& trial = trials.emplace_back();

@@ -68,8 +68,9 @@ inline Study small_study() {
   setup.scene.camera = centred_camera(kSide, kSide, 1000);
   setup.extractors = {find_feature_extractor("hough_intersection"),
                       find_feature_extractor("shi_tomasi_nearest")};
-  images.solving.solvers = {find_pose_solver("orpe"), find_pose_solver("lspe"),
-                            find_pose_solver("oracle")};
+  images.solving.solvers = {built_in(*find_pose_solver("orpe")),
+                            built_in(*find_pose_solver("lspe")),
+                            built_in(*find_pose_solver("oracle"))};
   study.toml = "# </code><script>alert(1)</script>\nseed = 1\n";
   return study;
 }

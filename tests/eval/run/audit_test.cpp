@@ -130,7 +130,7 @@ Flow flow_of(Study study) {
 
 Flow flow_with(const PoseSolver& solver) {
   Study study = cube_study();
-  numeric_of(study).solving.solvers = {&solver};
+  numeric_of(study).solving.solvers = {built_in(solver)};
   return flow_of(std::move(study));
 }
 

@@ -22,7 +22,7 @@ inline Study two_poses() {
   study.conditions = {{"pose 1", {{"pose", 1}, {"noise_px", 0.5}}, {}},
                       {"pose 2", {{"pose", 2}, {"noise_px", 2.0}}, {}}};
   for (const char* name : {"orpe", "lspe", "oracle"}) {
-    images_of(study).solving.solvers.push_back(find_pose_solver(name));
+    images_of(study).solving.solvers.push_back(built_in(*find_pose_solver(name)));
   }
   images_of(study).target = load_target("cube");
   images_of(study).setups.emplace_back();

@@ -37,7 +37,7 @@ Study four_poses() {
   images.target = load_target("boeing707");
   images.features = {0, 1, 2, 3, 4};
   for (const char* name : {"orpe", "lspe", "oracle"}) {
-    images.solving.solvers.push_back(find_pose_solver(name));
+    images.solving.solvers.push_back(built_in(*find_pose_solver(name)));
   }
   return study;
 }
@@ -54,10 +54,10 @@ ErrorSummary error(double mean, double low, double high) {
 Summary summary_of(const Study& study) {
   Summary summary;
   for (int condition = 0; condition < static_cast<int>(study.conditions.size()); ++condition) {
-    for (const PoseSolver* solver : study.solvers()) {
+    for (const TrialSolver& solver : study.solvers()) {
       CellSummary cell;
       cell.condition = condition;
-      cell.solver = solver->name;
+      cell.solver = solver.name;
       cell.trials = 100;
       cell.theta_error_deg = error(1.5 + condition, 1.25 + condition, 1.75 + condition);
       cell.t_error_percent = error(0.5, 0.375, 0.625);
@@ -204,11 +204,9 @@ TEST(Table, KeepsTwoDigitsOfSmallErrors) {
 
 TEST(Table, PutsSolversThatDoNotFitInFurtherBlocks) {
   constexpr std::array<const char*, 8> kNames{"a", "b", "c", "d", "e", "f", "g", "last_solver"};
-  std::vector<PoseSolver> solvers;
-  for (const char* name : kNames) solvers.push_back({name, "", false, nullptr});
   Study study = drawn_poses();
   images_of(study).solving.solvers.clear();
-  for (const PoseSolver& solver : solvers) images_of(study).solving.solvers.push_back(&solver);
+  for (const char* name : kNames) images_of(study).solving.solvers.push_back({.name = name});
   const std::string table = to_table(study, summary_of(study));
   expect_tidy(table);
   const std::vector<std::string> lines = lines_of(table);
@@ -219,15 +217,13 @@ TEST(Table, PutsSolversThatDoNotFitInFurtherBlocks) {
 }
 
 TEST(Table, OfASweepHoldsADozenSolversAndNineConditions) {
-  std::vector<std::string> names;
-  for (int i = 0; i < 12; ++i) names.push_back("orpe_calibrated_" + std::to_string(i));
-  std::vector<PoseSolver> solvers;
-  for (const std::string& name : names) solvers.push_back({name, "", false, nullptr});
   Study study;
   NumericStudy& numeric = study.kind.emplace<NumericStudy>();
   study.title = "A sweep";
   study.claim = "All is well.";
-  for (const PoseSolver& solver : solvers) numeric.solving.solvers.push_back(&solver);
+  for (int i = 0; i < 12; ++i) {
+    numeric.solving.solvers.push_back({.name = "orpe_calibrated_" + std::to_string(i)});
+  }
   for (int i = 0; i < 9; ++i) {
     study.conditions.push_back({std::to_string(i) + " px", {{"noise_px", i}}, {}});
     numeric.cells.push_back({});

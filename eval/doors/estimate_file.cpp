@@ -1,0 +1,263 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/doors/estimate_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "eval/datasets/bop/results_csv.h"
+#include "eval/datasets/conventions.h"
+#include "eval/output/csv_reader.h"
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kQuaternionTolerance = 1e-2;  // what few printed digits leave of its length
+
+// What a file has for one trial.
+struct GivenEstimate {
+  EstimateOutcome outcome = EstimateOutcome::kOk;
+  Pose cam_from_target;
+  std::optional<Matrix6d> covariance;  // of (w, dt), radians and metres
+  std::vector<std::string> removed;
+};
+
+// Which trial an estimate is of: its number in files of our own, otherwise its picture.
+using TrialKey = std::tuple<int64_t, int, int>;
+using GivenEstimates = std::map<TrialKey, GivenEstimate>;
+
+TrialKey key_of_picture(const TrialName& trial) {
+  return {trial.scene_id, trial.im_id, trial.gt_id};
+}
+
+TrialKey key_of_number(const TrialName& trial) {
+  return {trial.trial, 0, 0};
+}
+
+Eigen::Quaterniond rotation_in(const CsvReader& csv, const std::array<const char*, 4>& columns) {
+  const Eigen::Quaterniond q(csv.number(columns[0]), csv.number(columns[1]), csv.number(columns[2]),
+                             csv.number(columns[3]));
+  if (std::abs(q.norm() - 1) <= kQuaternionTolerance) return q.normalized();
+  csv.fail(fmt::format("has a quaternion of length {:g}, must be of length 1", q.norm()));
+}
+
+// ---- results of BOP
+
+// The covariance of (w, dt) in the target's frame is the one in the model's: both are turned from
+// the camera's side.
+GivenEstimates read_bop(const EstimateSource& source, const SightedSet* set) {
+  const SightedSet rendered;
+  const SightedSet& names = set != nullptr ? *set : rendered;
+  std::vector<BopEstimate> estimates = read_bop_results(source.file);
+  std::erase_if(estimates, [&](const BopEstimate& e) { return e.obj_id != names.obj_id; });
+  std::stable_sort(estimates.begin(), estimates.end(),
+                   [](const auto& a, const auto& b) { return a.score > b.score; });
+  std::vector<PlaceInImage> places;
+  std::vector<double> scores;
+  std::vector<GivenEstimate> given;
+  for (const BopEstimate& e : estimates) {
+    given.push_back({EstimateOutcome::kOk,
+                     pose_in_metres(e.cam_from_model, names.target_from_model), e.covariance_rad_m,
+                     e.removed});
+    places.push_back({e.scene_id, e.im_id, given.back().cam_from_target.translation});
+    scores.push_back(e.score);
+  }
+  GivenEstimates by_trial;
+  const std::vector<int> chosen = set != nullptr ? sightings_of(places, scores, set->sightings)
+                                                 : std::vector<int>(given.size(), 0);
+  for (size_t i = 0; i < given.size(); ++i) {
+    if (chosen[i] < 0) continue;
+    const int gt_id = set != nullptr ? set->sightings[static_cast<size_t>(chosen[i])].gt_id : 0;
+    by_trial.emplace(TrialKey{places[i].scene_id, places[i].im_id, gt_id}, std::move(given[i]));
+  }
+  return by_trial;
+}
+
+// ---- ESA's challenges
+
+const std::vector<std::string> kSpeedColumns = {"filename", "q0", "q1", "q2",
+                                                "q3",       "r0", "r1", "r2"};
+
+// The sightings by their picture's name.
+std::map<std::string, const Sighting*> by_file_name(const SightedSet& set) {
+  std::map<std::string, const Sighting*> by_name;
+  for (const Sighting& sighting : set.sightings) {
+    by_name[sighting.picture.filename().string()] = &sighting;
+  }
+  return by_name;
+}
+
+GivenEstimates read_speed(const EstimateSource& source, const SightedSet* set) {
+  if (set == nullptr) {
+    throw InputError(fmt::format("{}: names pictures by their files, which only a data set has",
+                                 source.file.string()));
+  }
+  const auto sightings = by_file_name(*set);
+  CsvReader csv(source.file, kSpeedColumns);
+  GivenEstimates by_trial;
+  while (csv.next()) {
+    const std::string name = fs::path(csv.text("filename")).filename().string();
+    if (csv.line() == 1 && name == "filename") continue;  // some write a header
+    const auto found = sightings.find(name);
+    if (found == sightings.end()) {
+      csv.fail(fmt::format("is about '{}', which the set does not have", name));
+    }
+    GivenEstimate given;
+    const Eigen::Matrix3d rotation = rotation_in(csv, {"q0", "q1", "q2", "q3"}).toRotationMatrix();
+    given.cam_from_target.rotation = rotation * set->target_from_model.transpose();
+    given.cam_from_target.translation = {csv.number("r0"), csv.number("r1"), csv.number("r2")};
+    const Sighting& sighting = *found->second;
+    if (!by_trial.emplace(TrialKey{sighting.scene_id, sighting.im_id, sighting.gt_id}, given)
+             .second) {
+      csv.fail(fmt::format("is about '{}' a second time", name));
+    }
+  }
+  return by_trial;
+}
+
+// ---- results of ours
+
+// The solver that is meant: the one of the source's name, or the only one.
+std::string solver_in(const EstimateSource& source) {
+  std::set<std::string> solvers;
+  for (CsvReader csv(source.file); csv.next();) solvers.emplace(csv.text("solver"));
+  if (solvers.contains(source.name)) return source.name;
+  if (solvers.size() == 1) return *solvers.begin();
+  throw InputError(fmt::format("{}: has estimates of {}; the name must say which are meant",
+                               source.file.string(), fmt::join(solvers, ", ")));
+}
+
+std::vector<std::string> names_between_semicolons(std::string_view list) {
+  std::vector<std::string> names;
+  while (!list.empty()) {
+    const size_t end = std::min(list.find(';'), list.size());
+    names.emplace_back(list.substr(0, end));
+    list.remove_prefix(std::min(end + 1, list.size()));
+  }
+  return names;
+}
+
+GivenEstimates read_results(const EstimateSource& source) {
+  const std::string solver = solver_in(source);
+  GivenEstimates by_trial;
+  for (CsvReader csv(source.file); csv.next();) {
+    if (csv.text("solver") != solver) continue;
+    GivenEstimate given;
+    try {
+      given.outcome = from_string<EstimateOutcome>(csv.text("status"));
+    } catch (const UnknownName& error) {
+      csv.fail(fmt::format("has a status that {}", error.what()));
+    }
+    if (given.outcome == EstimateOutcome::kOk) {
+      given.cam_from_target.rotation =
+          rotation_in(csv, {"qw", "qx", "qy", "qz"}).toRotationMatrix();
+      given.cam_from_target.translation = {csv.number("tx_m"), csv.number("ty_m"),
+                                           csv.number("tz_m")};
+      given.removed = names_between_semicolons(csv.text("removed"));
+    }
+    if (!by_trial.emplace(TrialKey{csv.whole("trial"), 0, 0}, given).second) {
+      csv.fail(fmt::format("has trial {} of {} a second time", csv.text("trial"), solver));
+    }
+  }
+  return by_trial;
+}
+
+// ---- which of them
+
+EstimateFormat format_of(const EstimateSource& source) {
+  if (source.format != EstimateFormat::kByHeader) return source.format;
+  const CsvReader csv(source.file);
+  if (csv.has_column("scene_id") && csv.has_column("R")) return EstimateFormat::kBop;
+  if (csv.has_column("trial") && csv.has_column("solver")) return EstimateFormat::kSightline;
+  if (csv.columns().size() == kSpeedColumns.size()) return EstimateFormat::kSpeed;
+  csv.fail(
+      "begins no file of estimates: BOP's results, a run's results.csv, or lines of filename, "
+      "q0, q1, q2, q3, r0, r1, r2");
+}
+
+SolverAnswer answer(const GivenEstimates& given, const TrialKey& key,
+                    const SolverQuestion& question) {
+  const auto found = given.find(key);
+  if (found == given.end()) return {EstimateOutcome::kNoEstimate, {}};
+  SolverAnswer out{found->second.outcome, {}};
+  out.estimate.status = PoseStatus::kOk;
+  out.estimate.cam_from_target = found->second.cam_from_target;
+  out.estimate.covariance = found->second.covariance;
+  for (size_t i = 0; i < question.features.size(); ++i) {
+    const auto& removed = found->second.removed;
+    if (std::find(removed.begin(), removed.end(), question.features[i]) != removed.end()) {
+      out.estimate.removed.push_back(static_cast<int>(i));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Key> keys_of(EstimateSource& source) {
+  const std::string table = "estimates";
+  return {
+      {.table = table,
+       .name = "name",
+       .value = &source.name,
+       .allowed = {},
+       .unit = "",
+       .meaning = "of the solver that the file stands for",
+       .is_required = true},
+      {.table = table,
+       .name = "file",
+       .value = &source.file,
+       .allowed = {},
+       .unit = "",
+       .meaning = "poses of somebody's pipeline: BOP results CSV, the CSV of ESA's challenges, or "
+                  "results.csv of a run",
+       .is_required = true},
+      {.table = table,
+       .name = "format",
+       .value = choice(source.format, {{"by_header", EstimateFormat::kByHeader},
+                                       {"bop", EstimateFormat::kBop},
+                                       {"speed", EstimateFormat::kSpeed},
+                                       {"sightline", EstimateFormat::kSightline}}),
+       .allowed = {},
+       .unit = "",
+       .meaning = "of the file, which its first line tells otherwise"},
+  };
+}
+
+TrialSolver recorded_solver(const EstimateSource& source, const SightedSet* set) {
+  const EstimateFormat format = format_of(source);
+  GivenEstimates read;
+  if (format == EstimateFormat::kBop) read = read_bop(source, set);
+  if (format == EstimateFormat::kSpeed) read = read_speed(source, set);
+  if (format == EstimateFormat::kSightline) read = read_results(source);
+  if (read.empty()) {
+    throw InputError(fmt::format("{}: has no pose of the target in a picture of the study",
+                                 source.file.string()));
+  }
+  const auto key_of = format == EstimateFormat::kSightline ? key_of_number : key_of_picture;
+  TrialSolver solver;
+  solver.name = source.name;
+  solver.summary = fmt::format("estimates from {}", source.file.filename().string());
+  solver.is_recorded = true;
+  solver.solve = [given = std::make_shared<const GivenEstimates>(std::move(read)),
+                  key_of](const SolverQuestion& question) {
+    return answer(*given, key_of(question.trial), question);
+  };
+  return solver;
+}
+
+}  // namespace sightline

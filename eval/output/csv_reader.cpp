@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/output/csv_reader.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+constexpr size_t kLongestLine = 1 << 20;  // bytes
+
+std::string_view trimmed(std::string_view text) {
+  constexpr std::string_view kBlank = " \t\r";
+  const size_t begin = text.find_first_not_of(kBlank);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlank) - begin + 1);
+}
+
+// What stands in quotes at the beginning of `rest`, which is left behind the closing one. None
+// where there is no closing one.
+std::optional<std::string> take_quoted(std::string_view& rest) {
+  std::string field;
+  rest.remove_prefix(1);
+  while (true) {
+    const size_t quote = rest.find('"');
+    if (quote == std::string_view::npos) return std::nullopt;
+    field += rest.substr(0, quote);
+    rest.remove_prefix(quote + 1);
+    if (!rest.starts_with('"')) return field;
+    field += '"';
+    rest.remove_prefix(1);
+  }
+}
+
+// None where a quote does not end.
+std::optional<std::vector<std::string>> fields_of(std::string_view line) {
+  std::vector<std::string> fields;
+  while (true) {
+    line = trimmed(line);
+    std::string field;
+    if (line.starts_with('"')) {
+      auto quoted = take_quoted(line);
+      if (!quoted) return std::nullopt;
+      field = std::move(*quoted);
+    }
+    const size_t comma = line.find(',');
+    field += trimmed(line.substr(0, comma));
+    fields.push_back(std::move(field));
+    if (comma == std::string_view::npos) return fields;
+    line.remove_prefix(comma + 1);
+  }
+}
+
+std::optional<double> number_in(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+std::vector<std::string_view> words_of(std::string_view text) {
+  std::vector<std::string_view> words;
+  for (text = trimmed(text); !text.empty(); text = trimmed(text)) {
+    const size_t end = std::min(text.find_first_of(" \t"), text.size());
+    words.push_back(text.substr(0, end));
+    text.remove_prefix(end);
+  }
+  return words;
+}
+
+}  // namespace
+
+CsvReader::CsvReader(const std::filesystem::path& file) : file_(file), stream_(file) {
+  if (!stream_ || std::filesystem::is_directory(file)) {
+    throw InputError(fmt::format("{}: cannot be read", file.string()));
+  }
+  if (!read_line()) throw InputError(fmt::format("{}: is empty", file.string()));
+  columns_ = std::move(fields_);
+}
+
+CsvReader::CsvReader(const std::filesystem::path& file, std::vector<std::string> columns)
+    : file_(file), stream_(file), columns_(std::move(columns)) {
+  if (!stream_ || std::filesystem::is_directory(file)) {
+    throw InputError(fmt::format("{}: cannot be read", file.string()));
+  }
+}
+
+void CsvReader::fail(const std::string& reason) const {
+  throw InputError(fmt::format("{}: line {} {}", file_.string(), line_, reason));
+}
+
+bool CsvReader::has_column(std::string_view name) const {
+  return std::find(columns_.begin(), columns_.end(), name) != columns_.end();
+}
+
+void CsvReader::require_columns(const std::vector<std::string>& required,
+                                const std::vector<std::string>& known) const {
+  for (const std::string& column : required) {
+    if (!has_column(column)) {
+      fail(fmt::format("names no column '{}', must name {}", column, fmt::join(required, ", ")));
+    }
+  }
+  for (auto column = columns_.begin(); column != columns_.end(); ++column) {
+    if (std::find(known.begin(), known.end(), *column) == known.end()) {
+      fail(fmt::format("has a column '{}'{}", *column, suggestion(*column, known)));
+    }
+    if (std::find(columns_.begin(), column, *column) != column) {
+      fail(fmt::format("has the column '{}' twice", *column));
+    }
+  }
+}
+
+bool CsvReader::read_line() {
+  std::string text;
+  while (std::getline(stream_, text)) {
+    ++line_;
+    if (text.size() > kLongestLine) {
+      fail(fmt::format("is longer than {} bytes", kLongestLine));
+    }
+    std::string_view line = text;
+    if (line_ == 1 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);
+    if (trimmed(line).empty()) continue;
+    auto fields = fields_of(line);
+    if (!fields) fail("has a quote that does not end");
+    fields_ = std::move(*fields);
+    return true;
+  }
+  return false;
+}
+
+bool CsvReader::next() {
+  if (!read_line()) return false;
+  if (fields_.size() == columns_.size()) return true;
+  fail(fmt::format("has {} fields, must have {}: {}", fields_.size(), columns_.size(),
+                   fmt::join(columns_, ",")));
+}
+
+std::string_view CsvReader::text(std::string_view column) const {
+  const auto found = std::find(columns_.begin(), columns_.end(), column);
+  return fields_.at(static_cast<size_t>(found - columns_.begin()));
+}
+
+int CsvReader::whole(std::string_view column) const {
+  const std::string_view text = this->text(column);
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || value < 0) {
+    fail(fmt::format("has {} '{}', must be a whole number from 0", column, text));
+  }
+  return value;
+}
+
+double CsvReader::number(std::string_view column, Interval allowed) const {
+  const auto value = number_in(text(column));
+  if (!value) {
+    fail(fmt::format("has '{}' for {}, must be a finite number", text(column), column));
+  }
+  if (*value < allowed.min || *value > allowed.max) {
+    fail(fmt::format("has {} for {}, must be from {} to {}", *value, column, allowed.min,
+                     allowed.max));
+  }
+  return *value;
+}
+
+std::vector<double> CsvReader::numbers(std::string_view column, size_t count) const {
+  const std::vector<std::string_view> words = words_of(text(column));
+  if (words.size() != count) {
+    fail(fmt::format("has {} numbers for {}, must have {} with spaces between them", words.size(),
+                     column, count));
+  }
+  std::vector<double> values;
+  for (const std::string_view word : words) {
+    const auto value = number_in(word);
+    if (!value) fail(fmt::format("has '{}' for {}, must be a finite number", word, column));
+    values.push_back(*value);
+  }
+  return values;
+}
+
+}  // namespace sightline
