@@ -13,6 +13,7 @@ void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_score(app);
   add_merge(app, command, exit_code);
   add_report(app);
+  add_export(app);
   add_compare(app, exit_code);
   add_list(app);
   add_target(app);

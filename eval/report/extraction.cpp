@@ -2,9 +2,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What the images gave: how often each feature was found, how well, and why it was not.
+#include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <kainjow/mustache.hpp>
 
 #include "eval/output/numbers.h"
@@ -59,7 +63,8 @@ mustache::data condition_groups(const ReportInput& input) {
   return groups;
 }
 
-std::string extractor_names(const ImageSetup& setup) {
+// The program's own extractors of a set-up.
+std::string own_extractors(const ImageSetup& setup) {
   std::string text;
   const auto add = [&](const FeatureExtractor* extractor, const char* what) {
     if (extractor == nullptr) return;
@@ -86,6 +91,20 @@ std::string extractor_names(const ImageSetup& setup) {
   return text;
 }
 
+// Who found the features: the extractors of the first set-up, and all guests.
+std::string extractor_names(const ImageStudy& images) {
+  std::vector<std::string> texts;
+  for (const ImageSetup& setup : images.setups) {
+    if (!setup.guest && &setup != &images.setups.front()) continue;
+    std::string text = setup.guest ? fmt::format("{} ({})", setup.guest->name, setup.guest->summary)
+                                   : own_extractors(setup);
+    if (std::find(texts.begin(), texts.end(), text) == texts.end()) {
+      texts.push_back(std::move(text));
+    }
+  }
+  return fmt::to_string(fmt::join(texts, "; "));
+}
+
 }  // namespace
 
 std::string extraction_figure(const ReportInput& input) {
@@ -102,7 +121,7 @@ std::string extraction_figure(const ReportInput& input) {
           {"caption", fmt::format("Features over {}.", counted(trials_of(input.summary), "trial"))},
           {"features", features},
           {"outlier_px", outlier_limit_px(*images)},
-          {"extractors", extractor_names(images->setups.front())},
+          {"extractors", extractor_names(*images)},
           {"has_conditions", input.study.conditions.size() > 1},
           {"conditions", condition_groups(input)},
       });

@@ -34,6 +34,7 @@ void add_score(CLI::App& app);
 void add_merge(CLI::App& app, const std::string& command, int& exit_code);
 
 void add_report(CLI::App& app);
+void add_export(CLI::App& app);
 
 /// `compare`: 3 when it finds a regression.
 void add_compare(CLI::App& app, int& exit_code);

@@ -166,6 +166,34 @@ TEST_F(Doors, MissingEstimatesAreFailedTrials) {
   EXPECT_FALSE(fs::exists(path("bad")));
 }
 
+TEST_F(Doors, WhatARunFoundGoesOutAndComesInAgain) {
+  ASSERT_EQ(evaluate("own", "--solvers lspe,orpe").exit_code, 0);
+  const std::string out = "export " + path("own") + " --out ";
+  ASSERT_EQ(run(out + path("lspe.csv") + " --solver lspe").exit_code, 0);
+  ASSERT_EQ(run(out + path("found.json") + " --format coco").exit_code, 0);
+  const Outcome again =
+      evaluate("again", "--solvers lspe --estimates exported=" + path("lspe.csv") +
+                            " --observations found=" + path("found.json"));
+  ASSERT_EQ(again.exit_code, 0) << again.output;
+  std::map<std::string, std::map<std::string, double>> theta_deg;
+  for (const auto& row : results("again")) {
+    if (row.at("status") == "ok") {
+      theta_deg[row.at("trial")][row.at("solver")] = std::stod(row.at("theta_error_deg"));
+    }
+  }
+  ASSERT_FALSE(theta_deg.empty());
+  // Of poses that are written in millimetres, and of an iteration that begins at another prior.
+  constexpr double kRoundingDeg = 1e-6;
+  for (const auto& [trial, by_solver] : theta_deg) {
+    EXPECT_NEAR(by_solver.at("exported"), by_solver.at("lspe"), kRoundingDeg) << trial;
+  }
+  EXPECT_THAT(run(out + path("x.csv")).output, HasSubstr("--solver must be one of lspe, orpe"));
+  EXPECT_THAT(run(out + path("x.csv") + " --solver lsep").output, HasSubstr("did you mean 'lspe'"));
+  EXPECT_THAT(run(out + path("x.csv") + " --solver lspe --condition some").output,
+              HasSubstr("--condition must be one of all"));
+  EXPECT_FALSE(fs::exists(path("x.csv")));
+}
+
 TEST_F(Doors, GuestsNeedNamesOfTheirOwn) {
   folder_.write("a.csv", "scene_id,im_id,feature,u,v\n0,0,vertex_0,1,2\n");
   EXPECT_THAT(evaluate("a", "--observations model_edges=" + path("a.csv")).output,
@@ -180,7 +208,8 @@ TEST_F(Doors, GuestsNeedNamesOfTheirOwn) {
 }
 
 TEST_F(Doors, AStudyThatRendersTakesFilesAboutItsOwnPictures) {
-  const std::string study = "study boeing-random --trials 3 --seed 4 --quiet --set solvers=[lspe] ";
+  const std::string study =
+      "study boeing-random --trials 3 --seed 4 --quiet --set \"solvers=['lspe']\" ";
   ASSERT_EQ(run(study + "--out " + path("own")).exit_code, 0);
   const std::string net = observations_file("own", "net.csv");
   const Outcome outcome = run(study + "--observations net=" + net + " --out " + path("net"));
