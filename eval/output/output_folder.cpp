@@ -5,9 +5,10 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
-#include <fstream>
+#include <ostream>
 #include <thread>
 
+#include <ext/stdio_filebuf.h>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
@@ -56,18 +57,33 @@ bool is_still_at(int file, const fs::path& path) {
          of_file.st_dev == of_path.st_dev && of_file.st_ino == of_path.st_ino;
 }
 
+// A folder of the staging's name that another program or a user has made is not touched: ours has a
+// lock file, or nothing at all where we have just begun, and is no link.
+void require_ours(const fs::path& staging, const fs::path& asked) {
+  std::error_code error;
+  const fs::file_status there = fs::symlink_status(staging, error);
+  if (there.type() == fs::file_type::not_found) return;
+  const bool is_folder = there.type() == fs::file_type::directory;
+  const bool has_lock =
+      is_folder && fs::symlink_status(staging / kLockFile, error).type() == fs::file_type::regular;
+  if (has_lock || (is_folder && fs::is_empty(staging, error))) return;
+  throw InputError(fmt::format("--out {}: needs the place of {}, which is not ours; move it away",
+                               asked.string(), staging.string()));
+}
+
 // Makes the folder where it is not there, and locks it; returns the open file that holds the lock.
 // The workers of a process that has just been killed may take a moment to end.
 int lock_folder(const fs::path& staging, const fs::path& asked) {
   constexpr int kTries = 20;
   constexpr auto kPause = std::chrono::milliseconds(50);
   const fs::path path = staging / kLockFile;
+  require_ours(staging, asked);
   for (int i = 0; i < kTries; ++i) {
     if (i > 0) std::this_thread::sleep_for(kPause);
     std::error_code error;
     fs::create_directories(staging, error);
     if (error) throw_unwritable(asked, error.message());
-    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (file < 0 && errno == ENOENT) continue;  // the folder has taken its name
     if (file < 0) throw_unwritable(asked, std::strerror(errno));
     const bool is_locked = flock(file, LOCK_EX | LOCK_NB) == 0;
@@ -151,13 +167,23 @@ void write_file(const fs::path& file, std::string_view text) {
 
 void write_file(const fs::path& file, const std::function<void(std::ostream&)>& write) {
   const fs::path partial = file.string() + ".partial";
-  std::ofstream out(partial, std::ios::binary);
-  write(out);
-  out.close();
   std::error_code error;
-  if (out) fs::rename(partial, file, error);
-  if (!out || error) {
-    fs::remove(partial, error);
+  fs::remove(partial, error);  // what a killed writer left, or a link: never what it leads to
+  const int descriptor =
+      open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  if (descriptor < 0) {
+    throw InputError(
+        fmt::format("{}: cannot be written ({})", file.string(), std::strerror(errno)));
+  }
+  __gnu_cxx::stdio_filebuf<char> buffer(descriptor, std::ios::out | std::ios::binary);
+  std::ostream out(&buffer);
+  write(out);
+  out.flush();
+  const bool is_whole = out.good() && buffer.close() != nullptr;
+  if (is_whole) fs::rename(partial, file, error);
+  if (!is_whole || error) {
+    std::error_code ignored;
+    fs::remove(partial, ignored);
     throw InputError(fmt::format("{}: cannot be written", file.string()));
   }
 }

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "eval/output/plain_text.h"
+
 namespace sightline {
 namespace {
 
@@ -42,6 +44,15 @@ size_t width(const TextGroup& group) {
   size_t sum = group.columns.size() - 1;
   for (const TextColumn& column : group.columns) sum += width(column);
   return std::max(sum, width(group.title));
+}
+
+// Names and texts may be somebody's, and a terminal obeys control characters.
+void make_plain(TextGroup& group) {
+  group.title = plain_line(group.title);
+  for (TextColumn& column : group.columns) {
+    column.name = plain_line(column.name);
+    for (std::string& cell : column.cells) cell = plain_line(cell);
+  }
 }
 
 // One line of a group: `text_of` says what stands in each column.
@@ -116,9 +127,12 @@ std::string wrapped(std::string_view text) {
 
 std::string text_block(const std::string& heading, const std::vector<std::string>& labels,
                        std::vector<TextGroup> groups) {
+  std::vector<std::string> plain_labels;
+  for (const std::string& label : labels) plain_labels.push_back(plain_line(label));
+  for (TextGroup& group : groups) make_plain(group);
   std::string text;
   while (!groups.empty()) {
-    text += fmt::format("\n{}\n{}", heading, block_of_first(labels, groups));
+    text += fmt::format("\n{}\n{}", heading, block_of_first(plain_labels, groups));
   }
   return text;
 }

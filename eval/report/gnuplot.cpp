@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "eval/output/output_folder.h"
+#include "eval/output/plain_text.h"
 #include "scenes/files/child_process.h"
 #include "scenes/files/input_error.h"
 
@@ -21,11 +22,11 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kInk = "#1d2126";
 
-// In single quotes, where gnuplot takes all but the quote as it stands. Scripts switch off its
-// markup.
+// In single quotes, where gnuplot takes all but the quote and the end of the line as it stands:
+// what follows a line's end would be a command. Scripts switch off its markup.
 std::string quoted(const std::string& text) {
   std::string out = "'";
-  for (const char c : text) {
+  for (const char c : plain_line(text)) {
     out += c;
     if (c == '\'') out += c;
   }
@@ -171,7 +172,7 @@ int run_gnuplot(const fs::path& folder, std::span<const Chart> charts) {
 std::string gnuplot_data(const Chart& chart) {
   std::string text;
   for (const ChartSeries& series : chart.series) {
-    text += fmt::format("{}# {}{}\n#", text.empty() ? "" : "\n\n", series.label,
+    text += fmt::format("{}# {}{}\n#", text.empty() ? "" : "\n\n", plain_line(series.label),
                         series.is_from_paper ? " (paper)" : "");
     for (const Column& column : kColumns) text += fmt::format(" {}", column.name);
     text += '\n';

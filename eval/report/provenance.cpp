@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <kainjow/mustache.hpp>
 
+#include "eval/output/plain_text.h"
 #include "eval/output/words.h"
 #include "eval/report/figures.h"
 #include "eval/report/page_text.h"
@@ -54,7 +55,7 @@ std::string repeat_command(const ReportInput& input) {
   const bool is_whole = shard == input.meta.end() || shard->second.ends_with("/1") ||
                         shard->second.find('/') == std::string::npos;  // "merged from 4"
   return fmt::format("sightline study study.toml{} --out again",
-                     is_whole ? "" : " --shard " + shard->second);
+                     is_whole ? "" : " --shard " + shell_word(shard->second));
 }
 
 }  // namespace
@@ -64,7 +65,8 @@ std::string provenance_figure(const ReportInput& input) {
   const ImageStudy* const images = input.study.images();
   const OrientationStudy* const orientation = input.study.orientation();
   const PointPairs pairs = orientation == nullptr ? PointPairs{} : orientation->pairs;
-  const bool has_typed = typed != input.meta.end();
+  // A folder may come from somebody whose command a reader had better not copy.
+  const bool has_typed = typed != input.meta.end() && is_harmless_command(typed->second);
   return mustache::mustache(page_text("provenance.mustache"))
       .render(mustache::object{
           {"facts", facts_of(input)},

@@ -50,7 +50,9 @@ auto on_file(const std::filesystem::path& file, const char* what_failed, const A
 
 // Makes an empty file, which is an empty SQLite database.
 void make_empty_file(const std::filesystem::path& file) {
-  std::FILE* const handle = std::fopen(file.c_str(), "w");
+  std::error_code ignored;
+  std::filesystem::remove(file, ignored);  // what a killed writer left, or a link
+  std::FILE* const handle = std::fopen(file.c_str(), "wx");
   if (handle == nullptr) {
     throw InputError(fmt::format("{}: cannot be created ({})", file.string(), strerror(errno)));
   }

@@ -11,6 +11,7 @@
 #include <sys/utsname.h>
 
 #include "eval/output/output_folder.h"
+#include "eval/output/plain_text.h"
 
 namespace sightline {
 namespace {
@@ -40,7 +41,7 @@ Json manifest_of(const Study& study, const std::string& command) {
           {"study", study.name},
           {"seed", study.seed},
           {"trials", study.trial_count()},
-          {"command", command},
+          {"command", plain_line(command)},
           {"machine", machine()},
           {"started",
            fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()))}};

@@ -1,0 +1,118 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/output/plain_text.h"
+
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "eval/output/html.h"
+#include "eval/output/output_folder.h"
+#include "eval/output/text_table.h"
+#include "eval/report/gnuplot.h"
+#include "scenes/files/toml_table.h"
+#include "tests/eval/program.h"
+#include "tests/scenes/error_text.h"
+#include "tests/scenes/temporary_folder.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(PlainText, KeepsWordsOfAnyLanguage) {
+  const std::string text = "Boeing 707, ±2 °, 飞机, 😀";
+  EXPECT_EQ(plain_line(text), text);
+  EXPECT_EQ(plain_text("a\n\tb\r\n"), "a\n\tb\r\n");
+}
+
+TEST(PlainText, ShowsWhatSteersInstead) {
+  EXPECT_EQ(plain_line("a\nb"), "a\u240Ab");
+  EXPECT_EQ(plain_line("\x1b[31m"), "\u241B[31m");
+  EXPECT_EQ(plain_line("\x7f"), "\u2421");
+  EXPECT_EQ(plain_line(std::string_view("\0", 1)), "\u2400");
+  EXPECT_EQ(plain_line("\u0085\u2028"), "\uFFFD\uFFFD");
+  EXPECT_EQ(plain_text("\x1b]0;title\x07"), "\u241B]0;title\u2407");
+}
+
+TEST(PlainText, IsUtf8WhateverTheBytes) {
+  EXPECT_EQ(plain_line("\xff"), "\uFFFD");
+  EXPECT_EQ(plain_line("caf\xe9"), "caf\uFFFD");
+  EXPECT_EQ(plain_line("\xc0\xaf"), "\uFFFD\uFFFD") << "an overlong slash";
+  EXPECT_EQ(plain_line("\xed\xa0\x80"), "\uFFFD\uFFFD\uFFFD") << "half a surrogate pair";
+  EXPECT_EQ(plain_line("\xf4\x90\x80\x80"), "\uFFFD\uFFFD\uFFFD\uFFFD") << "beyond Unicode";
+  EXPECT_EQ(plain_line("\xe2\x82"), "\uFFFD\uFFFD") << "cut off";
+}
+
+TEST(PlainText, AsAWordOfAShellMeansItself) {
+  EXPECT_EQ(shell_word("results/a-1.toml"), "results/a-1.toml");
+  for (const std::string text : {"", "a b", "it's", "$(date)", "; exit 3 #", "a\nb", "*", "\\"}) {
+    EXPECT_EQ(run_shell("printf %s " + shell_word(text)).output, text);
+    EXPECT_TRUE(text == "a\nb" || is_harmless_command("sightline " + shell_word(text))) << text;
+  }
+}
+
+TEST(PlainText, TellsHarmlessCommands) {
+  EXPECT_TRUE(is_harmless_command("sightline study x --set 'a=[1, 2]' --out o"));
+  for (const char* line : {"sightline; rm -rf ~ #", "a | b", "a && b", "$(a)", "`a`", "a > b",
+                           "a\nb", "'a", "a\x1b", "a & b", "~", "a \\; b"}) {
+    EXPECT_FALSE(is_harmless_command(line)) << line;
+  }
+}
+
+TEST(PlainText, OfTomlReadsBackTheSame) {
+  for (const std::string text : {"", "it's", "a\"b\\c", "a\nb\tc", "\x7f", "run_1.000000000000"}) {
+    EXPECT_EQ(TomlTable::read_text("a = " + toml_text(text), "test").text("a"), text);
+  }
+}
+
+TEST(PlainText, GoesToGnuplotTerminalsAndPages) {
+  Chart chart;
+  chart.id = "c";
+  chart.title = "one'\nsystem \"touch stolen\"\n#";
+  chart.series.push_back({});
+  chart.series.back().label = "label\nsystem \"touch stolen\"";
+  const std::string script = gnuplot_script(chart);
+  EXPECT_THAT(script, Not(HasSubstr("\nsystem")));
+  EXPECT_THAT(gnuplot_data(chart), Not(HasSubstr("\nsystem")));
+  EXPECT_THAT(text_block("heading", {"\x1b[2J"}, {{"", {{"a\nb", {"\x1b"}}}}}),
+              Not(HasSubstr("\x1b")));
+  EXPECT_EQ(escape_html("<\x1b>\n"), "&lt;\u241B&gt;\n");
+}
+
+TEST(OutputFolders, LeaveAloneWhatIsNotTheirs) {
+  const TemporaryFolder folder;
+  const fs::path victim = folder.path() / "victim";
+  fs::create_directories(victim);
+  folder.write("victim/precious", "data");
+  const fs::path asked = folder.path() / "out";
+  fs::create_directory_symlink(victim, staging_folder(asked));
+  EXPECT_THAT(error_of([&] { OutputFolder(asked); }), HasSubstr("is not ours"));
+  EXPECT_TRUE(fs::exists(victim / "precious"));
+
+  fs::remove(staging_folder(asked));
+  fs::create_directories(staging_folder(asked));
+  folder.write(".out.partial/notes", "data");
+  EXPECT_THAT(error_of([&] { OutputFolder(asked); }), HasSubstr("is not ours"));
+  EXPECT_TRUE(fs::exists(staging_folder(asked) / "notes"));
+
+  fs::remove(staging_folder(asked) / "notes");
+  EXPECT_EQ(error_of([&] { OutputFolder(asked); }), "") << "an empty one is";
+}
+
+TEST(OutputFolders, WriteNothingThroughALink) {
+  const TemporaryFolder folder;
+  const fs::path precious = folder.write("precious", "data");
+  fs::create_symlink(precious, folder.path() / "a.csv.partial");
+  write_file(folder.path() / "a.csv", "text");
+  EXPECT_EQ(read_whole(precious), "data");
+  EXPECT_EQ(read_whole(folder.path() / "a.csv"), "text");
+  EXPECT_FALSE(fs::is_symlink(folder.path() / "a.csv"));
+}
+
+}  // namespace
+}  // namespace sightline
