@@ -50,7 +50,7 @@ const Rooms kEvalRooms = {
     {"summary", {"records", "statistics", "study"}},
     {"results", {"output", "records", "study"}},
     {"trial", {"datasets", "doors", "metrics", "records", "statistics", "study"}},
-    {"study", {"datasets", "doors", "records"}},
+    {"study", {"datasets", "doors", "output", "records"}},
     {"doors", {"datasets", "output", "records"}},
     {"records", {}},
     {"datasets", {"output", "records"}},

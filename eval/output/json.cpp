@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -12,11 +14,35 @@
 
 namespace sightline {
 
-void with_json(const std::filesystem::path& file, const std::function<void(const Json&)>& use) {
-  std::ifstream stream(file);
-  if (!stream) throw InputError(fmt::format("{}: is missing or cannot be read", file.string()));
+Json read_json(const std::filesystem::path& file) {
+  constexpr uintmax_t kMostBytes = uintmax_t{1} << 30;
+  constexpr int kDeepest = 100;
+  std::error_code error;
+  const bool is_file = std::filesystem::is_regular_file(file, error);
+  std::ifstream stream;
+  if (is_file) stream.open(file, std::ios::binary);
+  if (!is_file || !stream) {
+    throw InputError(fmt::format("{}: is missing or cannot be read", file.string()));
+  }
+  if (std::filesystem::file_size(file, error) > kMostBytes) {
+    throw InputError(fmt::format("{}: is larger than 1 GiB", file.string()));
+  }
+  const auto check_depth = [&](int depth, Json::parse_event_t, const Json&) {
+    if (depth <= kDeepest) return true;
+    throw InputError(fmt::format("{}: is nested deeper than {}", file.string(), kDeepest));
+  };
   try {
-    use(Json::parse(stream));
+    return Json::parse(stream, check_depth);
+  } catch (const Json::exception& problem) {
+    throw InputError(
+        fmt::format("{}: is not as its format has it: {}", file.string(), problem.what()));
+  }
+}
+
+void with_json(const std::filesystem::path& file, const std::function<void(const Json&)>& use) {
+  const Json json = read_json(file);
+  try {
+    use(json);
   } catch (const Json::exception& error) {
     throw InputError(
         fmt::format("{}: is not as its format has it: {}", file.string(), error.what()));

@@ -100,6 +100,10 @@ int lock_folder(const fs::path& staging, const fs::path& asked) {
 OutputFolder::OutputFolder(const fs::path& folder, Leftovers leftovers)
     : folder_(fs::weakly_canonical(fs::absolute(folder))) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "results/x/"
+  if (folder.empty()) throw InputError("--out: is empty, must name a folder");
+  if (fs::is_symlink(folder_)) {
+    throw InputError(fmt::format("--out {}: is a link to nothing", folder.string()));
+  }
   require_free(folder_);
   std::error_code error;
   if (fs::equivalent(folder_, fs::current_path(error), error)) {

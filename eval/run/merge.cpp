@@ -20,6 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// In the store of a merge: of how many shards.
+constexpr const char* kMergedKey = "merged";
+
 Shard shard_in(const RunMeta& meta, const fs::path& folder) {
   const auto found = meta.find("shard");
   if (found == meta.end()) throw InputError(fmt::format("{}: holds no shard", folder.string()));
@@ -85,6 +88,12 @@ void require_every_trial(const Study& study, const Store& store, const ShardFold
                                trial % shards, shards));
 }
 
+// What a merge that was killed left: copies of what the shards hold.
+bool is_begun_merge(const OutputFolder& folder) {
+  const fs::path store = folder / kStoreFile;
+  return fs::is_regular_file(store) && Store::open(store).meta().contains(kMergedKey);
+}
+
 }  // namespace
 
 RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
@@ -92,10 +101,11 @@ RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
   const ShardFolders found = shard_folders(shards);
   const Study study = study_from_meta(found.meta, shards.front() / kStoreFile);
   OutputFolder folder(out, OutputFolder::Leftovers::kKeep);
-  refuse_finished_trials(folder, out);
+  if (!is_begun_merge(folder)) refuse_finished_trials(folder, out);
   folder.clear();
   RunMeta meta = meta_of(study, RunOptions{});
   meta["gl"] = found.meta.at("gl");
+  meta[kMergedKey] = fmt::to_string(found.folder_of.size());
   Store store = Store::create(folder / kStoreFile, meta);
   for (const fs::path& shard : shards) {
     stop_if_interrupted();

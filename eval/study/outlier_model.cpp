@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iterator>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include "eval/output/json.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::vector<OutlierModel::Failure> failures_of(const TrialRecord& trial) {
   std::vector<OutlierModel::Failure> failures;
@@ -73,13 +70,9 @@ std::string to_json(const OutlierModel& model, const std::string& study) {
 }
 
 OutlierModel read_outlier_model(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!std::filesystem::is_regular_file(file) || !stream) {
-    throw InputError(fmt::format("{}: no such file, or it cannot be read", file.string()));
-  }
   OutlierModel model;
+  const Json json = read_json(file);
   try {
-    const Json json = Json::parse(stream);
     const auto features = json.at("features").get<std::vector<std::string>>();
     for (const Json& row : json.at("trials")) {
       auto& failures = model.trials.emplace_back();

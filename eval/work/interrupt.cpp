@@ -18,7 +18,10 @@ void remember(int signal) {
 }  // namespace
 
 void remember_interrupts() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, remember);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+    // Whoever started the program may have it outlive a hang-up (nohup) or a Ctrl-C (&).
+    if (std::signal(signal, remember) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
   // A full disk or a closed pipe is a failed write, which is reported, not the end of the process.
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
 }

@@ -90,6 +90,10 @@ Camera read_camera(const fs::path& file) {
 
 // In images/ beside the list; in SPEED in a folder of the list's name there.
 fs::path picture_file(const fs::path& list, const std::string& name) {
+  const fs::path given = fs::path(name).lexically_normal();
+  if (given.is_absolute() || given.empty() || *given.begin() == "..") {
+    throw InputError(fmt::format("names {}, which must lie within the set", name));
+  }
   const fs::path images = list.parent_path() / speed::kImagesFolder;
   for (const fs::path& folder : {images, images / list.stem()}) {
     if (fs::is_regular_file(folder / name)) return folder / name;

@@ -1,12 +1,14 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <string>
+#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "eval/output/output_folder.h"
 #include "eval/program/commands/commands.h"
@@ -16,6 +18,7 @@
 #include "eval/tables/plan_table.h"
 #include "eval/work/interrupt.h"
 #include "renderer/renderer.h"
+#include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {
@@ -41,14 +44,38 @@ struct StudyArguments {
   double planned_width = 0;  // relative half-width of the means' intervals; 0: run the study
 };
 
+// A folder that nobody else can have made or look into, and that goes with this.
+class PrivateFolder {
+ public:
+  PrivateFolder() {
+    std::string name = (fs::temp_directory_path() / "sightline-plan-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw InputError(fmt::format("{}: cannot be made", name));
+    }
+    path_ = name;
+  }
+  ~PrivateFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
 // Says how many trials a condition needs for intervals so wide, from a pilot of few.
 int plan_command(const StudyArguments& arguments) {
   remember_interrupts();
-  StudyOverrides overrides = arguments.run.overrides;
+  StudyOverrides overrides = overrides_of(arguments.run);
   if (!overrides.trials) overrides.trials = kPilotTrials;
   const Study study = read_study(arguments.study, overrides);
   RunOptions options = run_options(arguments.run);
-  options.out = fs::temp_directory_path() / fmt::format("sightline-plan-{}", getpid());
+  const PrivateFolder folder;
+  options.out = folder.path() / "pilot";
   const Summary summary = run_pilot(study, options);
   std::cout << plan_table(study, summary, arguments.planned_width);
   return 0;

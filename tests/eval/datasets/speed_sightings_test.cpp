@@ -95,6 +95,12 @@ TEST_F(ForeignSpeed, IsRefusedInOneLineThatNamesTheFile) {
   fs::remove(folder_.path() / "synthetic/validation.json");
   folder_.write("synthetic/train.json", R"([{"filename": "img2.jpg"}])");
   EXPECT_THAT(error(), HasSubstr("train.json: names img2.jpg, which is not in"));
+  folder_.write("secret.png", "");
+  for (const std::string name : {"../../secret.png", "/etc/passwd", "a/../../../secret.png"}) {
+    folder_.write("synthetic/train.json", "[{\"filename\": \"" + name + "\"}]");
+    EXPECT_THAT(error(),
+                HasSubstr("train.json: names " + name + ", which must lie within the set"));
+  }
   folder_.write("synthetic/train.json", "[]");
   EXPECT_THAT(error(), HasSubstr("train.json: lists no image"));
   folder_.write("synthetic/train.json", R"([{"filename": "img1.jpg",

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "eval/output/html.h"
+#include "eval/output/json.h"
 #include "eval/output/output_folder.h"
 #include "eval/output/text_table.h"
 #include "eval/report/gnuplot.h"
@@ -84,6 +85,35 @@ TEST(PlainText, GoesToGnuplotTerminalsAndPages) {
   EXPECT_EQ(escape_html("<\x1b>\n"), "&lt;\u241B&gt;\n");
 }
 
+TEST(Json, OfSomebodyIsBounded) {
+  const TemporaryFolder folder;
+  const auto nested = [&](int depth) {
+    return folder.write("a.json", std::string(depth, '[') + std::string(depth, ']'));
+  };
+  EXPECT_EQ(error_of([&] { read_json(nested(50)); }), "");
+  EXPECT_THAT(error_of([&] { read_json(nested(76000)); }), HasSubstr("is nested deeper than 100"));
+  EXPECT_THAT(error_of([&] { read_json("/dev/zero"); }), HasSubstr("cannot be read"));
+  EXPECT_THAT(error_of([&] { read_json(folder.path() / "none"); }), HasSubstr("is missing"));
+}
+
+TEST(Toml, OfSomebodyIsBounded) {
+  const auto dotted = [](int parts) {
+    std::string key = "a";
+    for (int i = 1; i < parts; ++i) key += ".a";
+    return "b = 1\n" + key + " = 1\n";
+  };
+  EXPECT_EQ(error_of([&] { TomlTable::read_text(dotted(60), "s.toml"); }), "");
+  EXPECT_THAT(error_of([&] { TomlTable::read_text(dotted(20000), "s.toml"); }),
+              HasSubstr("s.toml:2: a key has over 65 parts"));
+  // Texts are none of numbers' or keys' business.
+  const std::string digits = "t = \"" + std::string(27000, '1') + "\"\n# " + std::string(99, '.');
+  EXPECT_EQ(TomlTable::read_text(digits, "s.toml").text("t").size(), 27000u);
+  const std::string texts = "a = \"run_1.000000000000\"\nb = 0.1500000000000000\n";
+  const std::string written = TomlTable::read_text(texts, "s.toml").to_toml();
+  EXPECT_THAT(written, HasSubstr("run_1.000000000000"));
+  EXPECT_THAT(written, HasSubstr("b = 0.15\n"));
+}
+
 TEST(OutputFolders, LeaveAloneWhatIsNotTheirs) {
   const TemporaryFolder folder;
   const fs::path victim = folder.path() / "victim";
@@ -102,6 +132,13 @@ TEST(OutputFolders, LeaveAloneWhatIsNotTheirs) {
 
   fs::remove(staging_folder(asked) / "notes");
   EXPECT_EQ(error_of([&] { OutputFolder(asked); }), "") << "an empty one is";
+}
+
+TEST(OutputFolders, NeedAPlace) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(error_of([&] { OutputFolder(fs::path()); }), HasSubstr("is empty"));
+  fs::create_symlink(folder.path() / "nothing", folder.path() / "link");
+  EXPECT_THAT(error_of([&] { OutputFolder(folder.path() / "link"); }), HasSubstr("is a link"));
 }
 
 TEST(OutputFolders, WriteNothingThroughALink) {
