@@ -24,8 +24,8 @@ struct BopEstimate {
   double time_s = -1;   ///< of the whole image; -1: not known
   int line = 0;         ///< of the file, from 1
   // What BOP does not know, from columns that may follow its own.
-  std::optional<Matrix6d> covariance_rad_m;  ///< of (w, dt), as PoseEstimate::covariance
-  std::vector<std::string> removed;          ///< names of features judged outliers
+  std::optional<Matrix6d> covariance_rad_m{};  ///< of (w, dt), as PoseEstimate::covariance
+  std::vector<std::string> removed{};          ///< names of features judged outliers
 };
 
 /// Reads a results file of the BOP challenge: the header scene_id,im_id,obj_id,score,R,t,time, then
