@@ -283,7 +283,7 @@ constexpr PoseSolver kToldSpy{"told spy", "keeps its problem", true, spy};
 
 std::vector<PoseProblem> problems_of(const Settings& settings) {
   Study study = study_with("cube-outliers", 1, settings);
-  numeric_of(study).solving.solvers = {&kSpy, &kToldSpy};
+  numeric_of(study).solving.solvers = {built_in(kSpy), built_in(kToldSpy)};
   spied_problems.clear();
   run_numeric_trial(study, 2);  // two outliers
   return spied_problems;
