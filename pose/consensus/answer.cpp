@@ -15,6 +15,7 @@
 #include <Eigen/LU>
 
 #include "pose/consensus/doubt.h"
+#include "pose/consensus/noise.h"
 #include "pose/reprojection.h"
 
 namespace sightline::consensus {
@@ -23,6 +24,8 @@ namespace {
 constexpr double kLogTwoPi = 1.8378770664093453;
 /// Log weights this far below the best do not count.
 constexpr double kNegligible = 9;
+/// A set whose pose is turned by more is not what the linear model says it is.
+constexpr double kBeyondLinearRad = 0.3;
 /// Up to so many points the doubtful ones are tried even if some must be left out.
 constexpr std::size_t kFew = 64;
 
@@ -38,6 +41,7 @@ struct WeighedSet {
   double log_weight = 0;
   Vector6d step;
   double variance = 0;  ///< of an inlier's residual
+  double variance_with_tails = 0;
   int inliers = 0;
 };
 
@@ -68,17 +72,15 @@ class Sets {
     return std::move(sets_);
   }
 
-  /// The covariance of the pose if this set is the inliers.
-  Matrix6d covariance(const WeighedSet& set) const {
-    const double variance = cloud_.is_sigma_known() ? variance_ : set.variance;
+  /// What is known of the pose if this set is the inliers: the inverse of its covariance.
+  Matrix6d information(const WeighedSet& set) const {
+    const double variance = cloud_.is_sigma_known() ? variance_ : set.variance_with_tails;
     Matrix6d hessian = certain_.hessian / variance + outliers_.hessian;
     for (std::size_t k = 0; k < doubtful_.size(); ++k) {
       hessian += doubtful_[k].hessian *
                  (set.outliers >> k & 1 ? weight_of(sorted_.doubtful[k]) : 1 / variance);
     }
-    const double degrees = 2 * set.inliers - 6 + kPriorDegreesOfNoise;
-    const double tails = cloud_.is_sigma_known() ? 1 : degrees / std::max(degrees - 2, 0.5);
-    return tails * hessian.inverse();
+    return hessian;
   }
 
  private:
@@ -114,6 +116,7 @@ class Sets {
     const Eigen::LLT<Matrix6d> cholesky(node.hessian);
     if (cholesky.info() != Eigen::Success) return;
     set.step = -cholesky.solve(node.gradient);
+    if (!(set.step.head<3>().norm() < kBeyondLinearRad)) return;
     double squares = certain_.at(set.step);
     double log_weight = log_outliers_ + std::lgamma(outliers + kPriorOutliers) +
                         std::lgamma(set.inliers + kPriorInliers);
@@ -139,11 +142,10 @@ class Sets {
       return -m * (kLogTwoPi + std::log(variance_)) - 0.5 * squares / variance_ - 0.5 * log_det +
              3 * kLogTwoPi;
     }
-    const double shape = m - 3 + 0.5 * kPriorDegreesOfNoise;
-    const double sum = squares + kPriorDegreesOfNoise * std::min(kPriorVariance, mode_.variance);
-    set.variance = sum / (2 * shape);
-    return -(m - 3) * kLogTwoPi - 0.5 * (log_det + 6 * std::log(variance_)) + std::lgamma(shape) -
-           shape * std::log(0.5 * sum);
+    const NoisePosterior noise = noise_posterior(squares, m - 3);
+    set.variance = noise.most_probable;
+    set.variance_with_tails = noise.with_tails;
+    return -(m - 3) * kLogTwoPi - 0.5 * (log_det + 6 * std::log(variance_)) + noise.log_evidence;
   }
 
   const Cloud& cloud_;
@@ -162,6 +164,22 @@ const WeighedSet& heaviest(const std::vector<WeighedSet>& sets) {
   return *std::ranges::max_element(sets, {}, &WeighedSet::log_weight);
 }
 
+/// Sums up the sets that lead far from the most probable one.
+void find_far_sets(const LinearCloud& linear, const Sets& model,
+                   const std::vector<WeighedSet>& sets, double total, Answer& answer) {
+  const WeighedSet& best = heaviest(sets);
+  const Matrix6d information = model.information(best);
+  const WeighedSet* far = nullptr;
+  answer.far_share = 0;
+  for (const WeighedSet& set : sets) {
+    const Vector6d apart = set.step - best.step;
+    if (!(apart.dot(information * apart) > kFarDistance2)) continue;
+    answer.far_share += std::exp(set.log_weight - best.log_weight) / total;
+    if (far == nullptr || set.log_weight > far->log_weight) far = &set;
+  }
+  if (far != nullptr) answer.far_cam_from_centred = retract(linear.cam_from_centred, far->step);
+}
+
 /// The mean over the sets, from the linear model that they were weighed in.
 void average(const Cloud& cloud, const Sorted& sorted, const LinearCloud& linear, const Sets& model,
              const std::vector<WeighedSet>& sets, Answer& answer) {
@@ -174,6 +192,7 @@ void average(const Cloud& cloud, const Sorted& sorted, const LinearCloud& linear
     mean += weight * set.step;
   }
   mean /= total;
+  find_far_sets(linear, model, sets, total, answer);
   answer.probabilities.assign(cloud.size(), 0);
   answer.is_inlier.assign(cloud.size(), false);
   for (const std::size_t i : sorted.certain) {
@@ -185,7 +204,7 @@ void average(const Cloud& cloud, const Sorted& sorted, const LinearCloud& linear
   for (const WeighedSet& set : sets) {
     const double share = std::exp(set.log_weight - best.log_weight) / total;
     const Vector6d apart = set.step - mean;
-    answer.covariance += share * (model.covariance(set) + apart * apart.transpose());
+    answer.covariance += share * (model.information(set).inverse() + apart * apart.transpose());
     answer.variance += share * set.variance;
     for (std::size_t k = 0; k < sorted.doubtful.size(); ++k) {
       if (!(set.outliers >> k & 1)) answer.probabilities[sorted.doubtful[k]] += share;
@@ -204,7 +223,7 @@ void average(const Cloud& cloud, const Sorted& sorted, const LinearCloud& linear
 bool answer_of_sets(const Cloud& cloud, const Mode& mode, const Sorted& sorted, LinearCloud& linear,
                     Answer& answer) {
   constexpr int kRounds = 3;
-  constexpr double kFarRad = 3e-3, kLostRad = 0.5;
+  constexpr double kFarRad = 3e-3;
   double variance = mode.variance;
   for (int round = 0;; ++round) {
     Sets model(cloud, mode, linear, sorted, variance);
@@ -212,7 +231,7 @@ bool answer_of_sets(const Cloud& cloud, const Mode& mode, const Sorted& sorted, 
     if (sets.empty()) return false;
     const WeighedSet& best = heaviest(sets);
     const double turn = best.step.head<3>().norm();
-    if (round + 1 == kRounds || !(turn > kFarRad * (round + 1)) || turn > kLostRad) {
+    if (round + 1 == kRounds || !(turn > kFarRad * (round + 1))) {
       average(cloud, sorted, linear, model, sets, answer);
       return answer.covariance.allFinite();
     }
@@ -252,16 +271,9 @@ bool answer_of_weights(const Cloud& cloud, const Mode& mode, const LinearCloud& 
   return true;
 }
 
-/// Half the log determinant of the information of all points at equal weights: between modes, the
-/// prior of a pose that does not depend on how poses are written down (Jeffreys).
-double log_prior(const Cloud& cloud, const LinearCloud& linear) {
-  Quadratic all;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (linear.is_seen[i]) all.add(linear.rows[i], 1);
-  }
-  const Eigen::LLT<Matrix6d> cholesky(all.hessian);
-  constexpr double kNone = -1e6;
-  return cholesky.info() == Eigen::Success ? 0.5 * log_determinant(cholesky) : kNone;
+/// A pose as probable as its mirror image in scale: the density of its position is 1 / z^3.
+double log_prior(const Pose& cam_from_centred) {
+  return -3 * std::log(std::abs(cam_from_centred.translation.z()));
 }
 
 }  // namespace
@@ -269,16 +281,10 @@ double log_prior(const Cloud& cloud, const LinearCloud& linear) {
 bool answer_of(const Cloud& cloud, const Mode& mode, Answer& answer) {
   LinearCloud linear;
   linearise(cloud, mode.cam_from_centred, linear);
-  const bool is_small = cloud.size() <= kFew;
-  const double prior = is_small && !cloud.is_sigma_known() ? log_prior(cloud, linear) : 0;
+  if (cloud.size() > kFew) return answer_of_weights(cloud, mode, linear, answer);
   const Sorted sorted = sort_by_doubt(cloud, mode, linear, kMostDoubtful);
-  if (!is_small) {
-    if (!answer_of_weights(cloud, mode, linear, answer)) return false;
-  } else if (!answer_of_sets(cloud, mode, sorted, linear, answer)) {
-    return false;
-  }
-  answer.log_evidence =
-      is_small && !cloud.is_sigma_known() ? answer.log_evidence + prior : mode.log_likelihood;
+  if (!answer_of_sets(cloud, mode, sorted, linear, answer)) return false;
+  answer.log_evidence += log_prior(mode.cam_from_centred);
   return true;
 }
 

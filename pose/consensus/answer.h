@@ -21,6 +21,10 @@ struct Answer {
   std::vector<double> probabilities;  ///< of each point to be an inlier
   std::vector<bool> is_inlier;        ///< in the most probable set
   double set_probability = 0;         ///< of that set
+  /// How probable the sets are whose poses are far from that of the most probable one, as that one
+  /// sees it (kFarDistance2), and the pose of the most probable of them.
+  double far_share = 0;
+  Pose far_cam_from_centred;
 };
 
 /// Points are doubtful when their probability, in the mode or with the point itself left out of the
@@ -37,5 +41,7 @@ struct Answer {
 bool answer_of(const Cloud& cloud, const Mode& mode, Answer& answer);
 
 inline constexpr std::size_t kMostDoubtful = 9;
+/// Squared, in standard deviations: the 99.9 % quantile of chi-square of six degrees.
+inline constexpr double kFarDistance2 = 22.46;
 
 }  // namespace sightline::consensus

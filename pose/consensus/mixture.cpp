@@ -6,6 +6,8 @@
 
 #include <Eigen/Cholesky>
 
+#include "pose/consensus/noise.h"
+
 namespace sightline::consensus {
 namespace {
 
@@ -18,8 +20,6 @@ constexpr double kNearReach = 6;
 /// while the pose is still far.
 constexpr double kFastestShrinkKnown = 0.5;
 constexpr double kFastestShrink = 0.4;
-/// Fewer inliers than it takes for a sum of squares to say anything of the noise.
-constexpr double kSayNothing = 4.5;
 constexpr double kLeastInliers = 3.01;
 constexpr double kLongestTurnRad = 0.5;
 constexpr double kSmallestVariance = 1e-18;
@@ -151,18 +151,13 @@ class MixtureFit {
     mode_.variance = next * next;
     mode_.outlier_share = share;
     mode_.inliers = sums.weight;
-    if (!cloud_.is_sigma_known() && sums.weight > kSayNothing) {
-      prior_variance_ = std::min(kPriorVariance, mode_.variance);
-    }
-    mode_.law.near_share = std::clamp((sums.near + 1) / (outliers + 2), 0.02, 0.9);
+    mode_.law.near_share = std::clamp((sums.near + 0.3) / (outliers + 1.5), 0.02, 0.9);
     return is_settled;
   }
 
   double next_scale(const Sums& sums, double scale) const {
     if (cloud_.is_sigma_known()) return std::max(cloud_.sigma, kFastestShrinkKnown * scale);
-    const double degrees = std::max(2 * sums.weight - 6, 1.0);
-    const double variance = (sums.weighted_squares + kPriorDegreesOfNoise * prior_variance_) /
-                            (degrees + kPriorDegreesOfNoise);
+    const double variance = noise_posterior(sums.weighted_squares, sums.weight - 3).most_probable;
     const double next = std::sqrt(std::max(variance, kSmallestVariance));
     return std::min(std::max(next, kFastestShrink * scale), widest_);
   }
@@ -188,7 +183,6 @@ class MixtureFit {
   const MixtureOptions& options_;
   Mode& mode_;
   double widest_;
-  double prior_variance_ = kPriorVariance;
   double cut_odds_ = 0;
   double cut_ = 0;
   bool is_failed_ = false;

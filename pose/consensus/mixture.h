@@ -67,14 +67,11 @@ struct MixtureOptions {
 /// beginning with noise of `scale`. False where fewer than three points are left or they do not
 /// determine the pose; the mode is then not to be used.
 ///
-/// Noise that is not known has a scaled inverse chi-square prior of one degree of freedom about its
-/// own last value, at most a thousandth of the image's root area, and the noise found is at most
-/// kWidestNoise of it: clutter is not explained by large noise.
+/// Noise that is not known is the most probable under the prior of noise.h, and at most
+/// kWidestNoise: clutter is not explained by large noise.
 bool fit_mixture(const Cloud& cloud, double scale, const MixtureOptions& options, Mode& mode);
 
 inline constexpr double kWidestNoise = 0.03;
-inline constexpr double kPriorVariance = 1e-6;
-inline constexpr double kPriorDegreesOfNoise = 1;
 
 /// Beta prior of the share of outliers: pseudo-counts of outliers and inliers.
 inline constexpr double kPriorOutliers = 1;

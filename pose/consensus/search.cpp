@@ -31,7 +31,7 @@ constexpr double kPromisingScore = 0.75;
 constexpr double kPromisingCount = 0.7;
 constexpr std::size_t kFittedEarly = 500;
 constexpr std::size_t kFittedLate = 1000;
-constexpr std::size_t kFullyFitted = 4;
+constexpr std::size_t kFullyFitted = 6;
 
 /// The hypotheses of the best scores, best first.
 class Ranking {

@@ -51,7 +51,6 @@ using consensus::Row;
 
 /// Another mode this probable, and this far away, makes the answer ambiguous.
 constexpr double kAmbiguousShare = 0.05;
-constexpr double kAmbiguousDistance2 = 22.46;  // chi-square of six degrees, 99.9 %
 /// The chance, at most, that data without any pose are called significant.
 constexpr double kChanceSignificance = 0.01;
 
@@ -82,11 +81,15 @@ std::optional<Verdict> judge(const Cloud& cloud, const consensus::ModeList& mode
   for (const Answer& a : answers) total += std::exp(a.log_evidence - best->log_evidence);
   Verdict verdict;
   double largest = kAmbiguousShare;
+  if (best->far_share / total > largest) {
+    largest = best->far_share / total;
+    verdict.second = best->far_cam_from_centred;
+  }
   for (const Answer& other : answers) {
     const double share = std::exp(other.log_evidence - best->log_evidence) / total;
     const Vector6d step = step_between(best->cam_from_centred, other.cam_from_centred);
     if (&other == &*best || !(share > largest)) continue;
-    if (!(step.dot(*information * step) > kAmbiguousDistance2)) continue;
+    if (!(step.dot(*information * step) > consensus::kFarDistance2)) continue;
     largest = share;
     verdict.second = other.cam_from_centred;
   }
