@@ -14,7 +14,13 @@
 namespace sightline {
 namespace {
 
-/// W with W^T W = covariance^-1; none unless the covariance is symmetric and positive definite.
+std::uint64_t hash_of(const Eigen::Vector2d& pixel) {
+  const std::uint64_t v = mixed_bits(std::bit_cast<std::uint64_t>(pixel.y()));
+  return mixed_bits(std::bit_cast<std::uint64_t>(pixel.x()) + 0x9e3779b97f4a7c15u * v);
+}
+
+}  // namespace
+
 std::optional<Eigen::Matrix2d> whitening_of(const Eigen::Matrix2d& covariance) {
   constexpr double kAsymmetry = 1e-9;
   if (!covariance.allFinite()) return std::nullopt;
@@ -26,13 +32,6 @@ std::optional<Eigen::Matrix2d> whitening_of(const Eigen::Matrix2d& covariance) {
   const Eigen::Matrix2d whitening = cholesky.matrixL().solve(Eigen::Matrix2d::Identity());
   return whitening.allFinite() ? std::optional(whitening) : std::nullopt;
 }
-
-std::uint64_t hash_of(const Eigen::Vector2d& pixel) {
-  const std::uint64_t v = mixed_bits(std::bit_cast<std::uint64_t>(pixel.y()));
-  return mixed_bits(std::bit_cast<std::uint64_t>(pixel.x()) + 0x9e3779b97f4a7c15u * v);
-}
-
-}  // namespace
 
 PreparedWhitened prepare_whitened(const PoseProblem& problem) {
   PreparedWhitened result;

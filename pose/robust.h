@@ -50,6 +50,9 @@ struct PreparedWhitened {
 /// negative or not finite.
 PreparedWhitened prepare_whitened(const PoseProblem& problem);
 
+/// W with W^T W = covariance^-1; none unless the covariance is symmetric and positive definite.
+std::optional<Eigen::Matrix2d> whitening_of(const Eigen::Matrix2d& covariance);
+
 /// The reprojection error of the point at `index`, alone or with its derivative (residual_px and
 /// reproject of pose/reprojection.h), multiplied by the point's whitening.
 std::optional<Eigen::Vector2d> whitened_residual(const WhitenedCorrespondences& c,

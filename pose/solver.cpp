@@ -10,6 +10,8 @@ namespace sightline {
 namespace {
 
 constexpr std::array kCatalogue = {
+    PoseSolver{"consensus", "any number of points, any share of outliers, any start", false,
+               solve_consensus},
     PoseSolver{"lspe", "least squares on all points", false, solve_lspe},
     PoseSolver{"orpe", "minimax with removal of outliers, as the paper prints it", false,
                solve_orpe},

@@ -65,6 +65,9 @@ struct Diagnosis {
   /// The pose of least squares with exactly the points of PoseEstimate::removed left out, from a
   /// solver whose cam_from_target is a mean over several sets of points.
   std::optional<Pose> most_probable_cam_from_target;
+  /// Whether so many points agree on the pose that chance does not explain it: false where the data
+  /// fit no pose, as of a mirrored target, and where too few points are left to say.
+  std::optional<bool> is_significant;
 };
 
 /// A solver's answer to a problem.
@@ -77,11 +80,26 @@ struct PoseEstimate {
   /// From the comparators (pose/robust.h), where there are covariances, for noise of those.
   Matrix6d unit_covariance = Matrix6d::Zero();
   /// Covariance of (w, dt) as the solver itself believes it, noise of its true size and doubt about
-  /// the outliers included. Only orpe_weighed has one; of the others, unit_covariance times the
-  /// noise's variance is the covariance.
+  /// the outliers included. Only consensus and orpe_weighed have one; of the others,
+  /// unit_covariance times the noise's variance is the covariance.
   std::optional<Matrix6d> covariance;
   std::optional<Diagnosis> diagnosis;  ///< none from solvers that do not judge their own answer
   int iterations = 0;                  ///< of the innermost optimiser, all calls together
+  /// Points that could not be used (a number that is not finite, a pixel that the lens model cannot
+  /// undo, a covariance that is not positive definite), ascending; also where the status is not ok.
+  /// Only consensus leaves such points out; the others refuse them.
+  std::vector<int> ignored;
+  /// The probability of each point to be an inlier, 0 of those ignored. Only from consensus.
+  std::optional<std::vector<double>> inlier_probabilities;
+  /// Another pose that explains the points nearly as well, where the diagnosis says that there is
+  /// one. Only from consensus.
+  std::optional<Pose> second_cam_from_target;
+  /// The standard deviation of an inlier's noise in each coordinate, as the solver was told or
+  /// found it; with covariances in their units. Only from consensus.
+  std::optional<double> noise_px;
+  /// Root mean square of the residuals of the points that are kept, in each coordinate. Only from
+  /// consensus.
+  std::optional<double> residual_rms_px;
 };
 
 /// Options of the least-squares iteration.

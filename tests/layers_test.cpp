@@ -74,7 +74,8 @@ const Rooms kScenesRooms = {
 const std::string kTop = ".";
 
 const Rooms kPoseRooms = {
-    {"solvers", {kTop, "kernels"}},
+    {"solvers", {"consensus", kTop, "kernels"}},
+    {"consensus", {kTop, "kernels"}},
     {"orientation", {kTop, "kernels"}},
     {kTop, {"kernels"}},
     {"kernels", {}},
@@ -87,8 +88,8 @@ const std::map<std::string, std::string> kCatalogues = {
 };
 
 // Libraries that are slow to compile or tied to a platform: only .cpp files may name them.
-const std::vector<std::string> kHeavy = {"osmesa.h", "assimp/", "CGAL/",    "tiny_gltf",
-                                         "SQLite",   "toml++",  "mustache", "Random123", "pugixml"};
+const std::vector<std::string> kHeavy = {"osmesa.h", "assimp/",  "CGAL/",     "tiny_gltf", "SQLite",
+                                         "toml++",   "mustache", "Random123", "pugixml"};
 
 struct Include {
   fs::path file;

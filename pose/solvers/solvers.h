@@ -9,6 +9,7 @@
 
 namespace sightline {
 
+PoseEstimate solve_consensus(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_drop_largest(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_gnc(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_huber(const PoseProblem& problem, const SolverOptions& options);

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pose/consensus/noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace sightline::consensus {
+namespace {
+
+/// The precision of the prior of x = ln s on the side of its centre where x lies.
+double prior_precision(double x, double centre) {
+  const double doubt = x > centre ? kLargerNoiseDoubt : kSmallerNoiseDoubt;
+  return 1 / (doubt * doubt);
+}
+
+}  // namespace
+
+NoisePosterior noise_posterior(double squares, double pairs) {
+  constexpr double kRounding = 1e-28;
+  const double k = std::max(pairs, 0.0);
+  const double sum = std::max(squares, kRounding);
+  static const double centre = std::log(kTypicalNoise);
+  // Newton's method begins at the mean of what the sum and the prior say.
+  double x = centre;
+  if (k > 0) {
+    const double own = 0.5 * std::log(sum / (2 * k));
+    const double prior = prior_precision(own, centre);
+    x = (4 * k * own + prior * centre) / (4 * k + prior);
+  }
+  double pull = 0, prior = 0;  // of the sum, of the prior
+  constexpr int kSteps = 5;
+  for (int step = 0;; ++step) {
+    pull = sum * std::exp(-2 * x);
+    prior = prior_precision(x, centre);
+    if (step == kSteps) break;
+    const double slope = -2 * k + pull - prior * (x - centre);
+    x += std::clamp(slope / (2 * pull + prior), -2.0, 2.0);
+  }
+  const double curvature = 2 * pull + prior;
+  NoisePosterior posterior;
+  posterior.log_evidence = -2 * k * x - 0.5 * pull - 0.5 * prior * (x - centre) * (x - centre) +
+                           0.5 * std::log(2 * std::numbers::pi / curvature);
+  posterior.most_probable = std::exp(2 * x);
+  // ln s of nu degrees of freedom has the curvature 2 nu.
+  const double degrees = 0.5 * curvature;
+  posterior.with_tails = posterior.most_probable * degrees / std::max(degrees - 2, 1.0);
+  return posterior;
+}
+
+}  // namespace sightline::consensus

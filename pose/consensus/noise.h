@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// The size of the noise where it is not known.
+#pragma once
+
+namespace sightline::consensus {
+
+/// What a sum of squares says of the noise.
+struct NoisePosterior {
+  double log_evidence = 0;   ///< of the sum, the noise integrated out
+  double most_probable = 0;  ///< variance
+  double with_tails = 0;     ///< variance that a covariance is to be multiplied by
+};
+
+/// The posterior of the noise s from `squares`, a sum of squared residuals of k = `pairs` pairs of
+/// degrees of freedom: exp(-squares / (2 s^2)) / s^(2 k), under a prior of ln s that is normal
+/// about kTypicalNoise, with a deviation for each side. Laplace in ln s, in which the posterior is
+/// log-concave. with_tails is larger by nu / (nu - 2), nu the degrees of freedom of the posterior:
+/// the covariance of Student's law.
+///
+/// The prior is so wide that noise of a hundredth or of ten pixels is found from a few dozen
+/// points. It keeps four points, of one pair, from being exact by chance, and clutter from being
+/// explained by large noise.
+NoisePosterior noise_posterior(double squares, double pairs);
+
+/// Parts of the image's root area; of 640 x 480 pixels, 1.1 px.
+inline constexpr double kTypicalNoise = 2e-3;
+inline constexpr double kSmallerNoiseDoubt = 1;
+inline constexpr double kLargerNoiseDoubt = 0.7;
+
+}  // namespace sightline::consensus
