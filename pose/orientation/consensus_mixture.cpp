@@ -1,0 +1,200 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// A pair is an inlier with probability 1 - e, its residual r then Gaussian of variance s^2 v in
+// each coordinate, or an outlier, uniform in the volume V:
+//
+//   p_i = N_i / (N_i + e / V),   N_i = (1 - e) (2 pi s^2 v_i)^(-3/2) exp(-r_i^2 / (2 s^2 v_i)).
+//
+// The map is the weighted least squares of the p_i / v_i, in closed form. e = (n - sum p + 1) /
+// (n + 5). s is the noise that is known, approached from above by halves; or s^2 = sum p r^2 / v /
+// (3 sum p - unknowns), which falls to no less than 0.4 of the last in a round.
+//
+// The evidence of a set of k inliers among n: a uniform prior of the share gives 1 / C(n, k), the
+// map has the prior 1 / (V 8 pi^2) (and 1 / ln 100 of the logarithm of a scale), and is integrated
+// by Laplace's method, which is nearly exact as the residuals are nearly linear; unknown noise has
+// the prior 1 / (sigma ln 1e6). So
+//
+//   ln E = -ln C(n, k) + k ln V - ln(V 8 pi^2) - 3k/2 ln 2 pi - 3/2 sum ln v + p/2 ln 2 pi
+//          - 1/2 ln det H + { -(3k - p) ln sigma - Q / (2 sigma^2)
+//                           { ln (Gamma(nu/2) / 2) - nu/2 ln(Q / 2) - ln ln 1e6,   nu = 3k - p
+//
+// with Q = sum r^2 / v and H the information of the p unknowns for noise of 1.
+
+#include "pose/orientation/consensus_mixture.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+namespace sightline::consensus {
+namespace {
+
+constexpr int kMostRounds = 60;
+/// Converged when the map moves the cloud by less than this part of the noise.
+constexpr double kMoveTolerance = 1e-4;
+/// A pair counts for nothing where it is so much less probably an inlier than an outlier.
+constexpr double kNegligible = 1e-6;
+
+/// One round's numbers.
+struct Weighing {
+  double inliers = 0;
+  double squares = 0;  ///< sum p r^2 / v
+};
+
+/// Lists the pairs that are not negligible, with their probabilities.
+Weighing weigh(const PairSet& set, const Mixture& mixture, std::span<const int> candidates,
+               std::vector<int>& indices, std::vector<double>& probabilities) {
+  const double variance = mixture.sigma * mixture.sigma;
+  const double inlier =
+      (1 - mixture.outlier_share) / std::pow(2 * std::numbers::pi * variance, 1.5);
+  const double outlier = mixture.outlier_share / set.volume;
+  indices.clear();
+  probabilities.clear();
+  Weighing sums;
+  const double ratio = inlier / outlier;
+  // Beyond this r^2 / v the odds are negligible, whatever v is.
+  const double most = ratio / (kNegligible * std::pow(set.least_variance, 1.5));
+  const double farthest = 2 * variance * std::log(std::max(most, 10.0));
+  for (const int index : candidates) {
+    const auto k = static_cast<std::size_t>(index);
+    const double r2 = (mixture.map * set.a[k] - set.b[k]).squaredNorm() / set.variance[k];
+    if (!(r2 < farthest)) continue;
+    const double odds =
+        ratio * std::exp(-0.5 * r2 / variance) / (set.variance[k] * std::sqrt(set.variance[k]));
+    if (!(odds > kNegligible)) continue;
+    const double p = odds / (1 + odds);
+    indices.push_back(index);
+    probabilities.push_back(p);
+    sums.inliers += p;
+    sums.squares += p * r2;
+  }
+  return sums;
+}
+
+double next_sigma(const PairSet& set, const Weighing& sums, double sigma) {
+  if (set.sigma > 0) return std::max(set.sigma, 0.5 * sigma);
+  const double degrees = std::max(3 * sums.inliers - set.unknowns(), 1.0);
+  const double found = std::sqrt(sums.squares / degrees);
+  return std::clamp(found, std::max(0.4 * sigma, kLeastSigma), set.largest_sigma());
+}
+
+/// How far a change of the map moves the cloud.
+double move_between(const Similarity& one, const Similarity& other) {
+  return (one.scale * one.rotation - other.scale * other.rotation).norm() +
+         (one.translation - other.translation).norm();
+}
+
+double log_binomial(double n, double k) {
+  return std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1);
+}
+
+}  // namespace
+
+std::optional<Mixture> fit_mixture(const PairSet& set, const Similarity& start, double start_sigma,
+                                   int n) {
+  Mixture mixture;
+  mixture.map = start;
+  mixture.sigma = std::max(start_sigma, kLeastSigma);
+  std::vector<int> candidates(static_cast<std::size_t>(n));
+  std::iota(candidates.begin(), candidates.end(), 0);
+  std::vector<int> indices;
+  std::vector<double> probabilities;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Weighing sums = weigh(set, mixture, candidates, indices, probabilities);
+    if (sums.inliers < 3.01) return std::nullopt;
+    const std::optional<Similarity> map = fit_pairs(set, indices, probabilities);
+    if (!map) return std::nullopt;
+    const double sigma = next_sigma(set, sums, mixture.sigma);
+    const double share =
+        std::clamp((n - sums.inliers + 1) / (n + 5.0), 0.5 / (n + 1.0), 1 - 3.0 / (n + 1.0));
+    const bool is_done = move_between(*map, mixture.map) < kMoveTolerance * sigma &&
+                         std::abs(sigma - mixture.sigma) < kMoveTolerance * sigma;
+    mixture.map = *map;
+    mixture.sigma = sigma;
+    mixture.outlier_share = share;
+    mixture.inliers = sums.inliers;
+    if (is_done) break;
+  }
+  mixture.probability.assign(static_cast<std::size_t>(n), 0);
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    mixture.probability[static_cast<std::size_t>(indices[i])] = probabilities[i];
+  }
+  return mixture;
+}
+
+double log_evidence(const PairSet& set, const Mixture& mixture) {
+  std::vector<int> inliers;
+  double log_variances = 0;
+  for (std::size_t i = 0; i < mixture.probability.size(); ++i) {
+    if (!(mixture.probability[i] > 0.5)) continue;
+    inliers.push_back(static_cast<int>(i));
+    log_variances += std::log(set.variance[i]);
+  }
+  const double k = static_cast<double>(inliers.size());
+  const double degrees = 3 * k - set.unknowns();
+  const double nothing = -std::numeric_limits<double>::infinity();
+  if (k < 3 || degrees < 1) return nothing;
+  const std::optional<Similarity> map = fit_pairs(set, inliers);
+  if (!map) return nothing;
+  double squares = 0;
+  for (const int i : inliers) {
+    const auto at = static_cast<std::size_t>(i);
+    squares += (*map * set.a[at] - set.b[at]).squaredNorm() / set.variance[at];
+  }
+  squares = std::max(squares, 3 * k * kLeastSigma * kLeastSigma);
+  const Spread spread = spread_of(set, *map, inliers);
+  const double trace = spread.about_mean.trace();
+  const Eigen::Matrix3d turning = trace * Eigen::Matrix3d::Identity() - spread.about_mean;
+  double log_det = 3 * std::log(spread.weight) + std::log(turning.determinant());
+  if (set.estimates_scale) log_det += std::log(trace);
+  const double log_two_pi = std::log(2 * std::numbers::pi);
+  double log_prior = -std::log(set.volume * 8 * std::numbers::pi * std::numbers::pi);
+  if (set.estimates_scale) log_prior -= std::log(std::log(100.0));
+  double log_noise = 0;
+  if (set.sigma > 0) {
+    log_noise = -degrees * std::log(set.sigma) - squares / (2 * set.sigma * set.sigma);
+  } else {
+    log_noise = std::lgamma(degrees / 2) - std::log(2.0) - degrees / 2 * std::log(squares / 2) -
+                std::log(std::log(1e6));
+  }
+  const double n = static_cast<double>(mixture.probability.size());
+  return -log_binomial(n, k) + k * std::log(set.volume) + log_prior - 1.5 * k * log_two_pi -
+         1.5 * log_variances + 0.5 * set.unknowns() * log_two_pi - 0.5 * log_det + log_noise;
+}
+
+std::optional<Eigen::MatrixXd> covariance_of(const PairSet& set, const Mixture& mixture) {
+  const int unknowns = set.unknowns();
+  const double variance = mixture.sigma * mixture.sigma;
+  Eigen::MatrixXd certain = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  Eigen::MatrixXd doubt = certain;
+  Eigen::Matrix<double, 3, Eigen::Dynamic> jacobian(3, unknowns);
+  for (std::size_t i = 0; i < mixture.probability.size(); ++i) {
+    const double p = mixture.probability[i];
+    if (p == 0) continue;
+    const Eigen::Vector3d q = mixture.map.scale * (mixture.map.rotation * set.a[i]);
+    jacobian.leftCols<3>() << 0, q.z(), -q.y(), -q.z(), 0, q.x(), q.y(), -q.x(), 0;
+    jacobian.middleCols<3>(3).setIdentity();
+    if (unknowns == 7) jacobian.col(6) = q;
+    const double information = 1 / (variance * set.variance[i]);
+    const Eigen::Vector3d r = q + mixture.map.translation - set.b[i];
+    const Eigen::VectorXd slope = information * (jacobian.transpose() * r);
+    certain.noalias() += (p * information) * jacobian.transpose() * jacobian;
+    doubt.noalias() += (p * (1 - p)) * slope * slope.transpose();
+  }
+  Eigen::LLT<Eigen::MatrixXd> factor(certain - doubt);
+  if (factor.info() != Eigen::Success) factor.compute(certain);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  Eigen::MatrixXd covariance = factor.solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+  const double degrees = 3 * mixture.inliers - unknowns;
+  if (set.sigma <= 0 && !(degrees > 2)) return std::nullopt;
+  if (set.sigma <= 0) covariance *= degrees / (degrees - 2);
+  if (!covariance.allFinite()) return std::nullopt;
+  return covariance;
+}
+
+}  // namespace sightline::consensus
