@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pose/kernels/pair_kernel.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pose/multiversion.h"
@@ -23,9 +24,11 @@ struct Columns {
   std::size_t size;
 };
 
-Columns columns_of(const PairRows& p) {
-  return {p.ax.data(), p.ay.data(), p.az.data(), p.bx.data(),
-          p.by.data(), p.bz.data(), p.v.data(),  p.padded_size()};
+Columns columns_of(const PairRows& p, const PairWindow& window) {
+  const std::size_t at = window.begin;
+  const std::size_t size = std::min(window.size, p.padded_size() - at);
+  return {p.ax.data() + at, p.ay.data() + at, p.az.data() + at, p.bx.data() + at,
+          p.by.data() + at, p.bz.data() + at, p.v.data() + at,  size};
 }
 
 inline int passes(const Columns& c, std::size_t k, const PairPivot& p, const PairTest& t) {
@@ -105,27 +108,28 @@ PairPivot pivot_at(const PairRows& p, std::size_t index) {
       {p.ax[index], p.ay[index], p.az[index]}, {p.bx[index], p.by[index], p.bz[index]}, p.v[index]};
 }
 
-void compatible_pairs(const PairRows& pairs, const PairPivot& pivot, const PairTest& test,
-                      std::vector<int>& flags, std::vector<int>& indices) {
-  const Columns c = columns_of(pairs);
+void compatible_pairs(const PairRows& pairs, const PairWindow& window, const PairPivot& pivot,
+                      const PairTest& test, std::vector<int>& flags, std::vector<int>& indices) {
+  const Columns c = columns_of(pairs, window);
   flags.resize(c.size);
   indices.resize(c.size);
   flag_compatible(c, pivot, test, flags.data());
   std::size_t count = 0;
   // Without a branch: which of them pass cannot be foreseen.
   for (std::size_t k = 0; k < c.size; ++k) {
-    indices[count] = static_cast<int>(k);
+    indices[count] = static_cast<int>(window.begin + k);
     count += static_cast<std::size_t>(flags[k]);
   }
   indices.resize(count);
 }
 
 int count_compatible(const PairRows& pairs, const PairPivot& pivot, const PairTest& test) {
-  return count_flags(columns_of(pairs), pivot, test);
+  return count_flags(columns_of(pairs, all_of(pairs)), pivot, test);
 }
 
-float consensus_score(const PairRows& pairs, const PairMap& map, float radius2) {
-  return score_of(columns_of(pairs), map, radius2);
+float consensus_score(const PairRows& pairs, const PairWindow& window, const PairMap& map,
+                      float radius2) {
+  return score_of(columns_of(pairs, window), map, radius2);
 }
 
 }  // namespace sightline::kernel

@@ -49,9 +49,20 @@ struct PairTest {
   float least_length2 = 0;
 };
 
-/// The indices, ascending, of the pairs that pass the test. `flags` is room to work in.
-void compatible_pairs(const PairRows& pairs, const PairPivot& pivot, const PairTest& test,
-                      std::vector<int>& flags, std::vector<int>& indices);
+/// A run of pairs; it begins at a multiple of kPairLanes.
+struct PairWindow {
+  std::size_t begin = 0;
+  std::size_t size = 0;
+};
+
+inline PairWindow all_of(const PairRows& pairs) {
+  return {0, pairs.padded_size()};
+}
+
+/// The indices, ascending, of the pairs of the window that pass the test. `flags` is room to work
+/// in.
+void compatible_pairs(const PairRows& pairs, const PairWindow& window, const PairPivot& pivot,
+                      const PairTest& test, std::vector<int>& flags, std::vector<int>& indices);
 
 /// How many pairs pass the test.
 int count_compatible(const PairRows& pairs, const PairPivot& pivot, const PairTest& test);
@@ -61,7 +72,9 @@ struct PairMap {
   float rows[12];
 };
 
-/// The sum over the pairs of max(0, 1 - r^2 / (radius2 v)), r the distance that the map leaves.
-float consensus_score(const PairRows& pairs, const PairMap& map, float radius2);
+/// The sum over the pairs of the window of max(0, 1 - r^2 / (radius2 v)), r the distance that the
+/// map leaves.
+float consensus_score(const PairRows& pairs, const PairWindow& window, const PairMap& map,
+                      float radius2);
 
 }  // namespace sightline::kernel

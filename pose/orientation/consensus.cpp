@@ -34,6 +34,10 @@ namespace {
 using consensus::Mixture;
 using consensus::PairSet;
 
+/// Maps with less than this part of the best one's score are not looked at, if that is not of a few
+/// pairs alone, of which fewer may agree better.
+constexpr double kHopeless = 0.6;
+constexpr double kFew = 8;
 const double kLogSignificantOdds = std::log(100.0);
 
 /// The mixture begins at a noise that is rather too large.
@@ -48,9 +52,13 @@ struct WeighedMixture {
 };
 
 std::optional<WeighedMixture> best_mixture(const PairSet& set) {
-  const int looked_at = std::min(set.n(), consensus::kMostScored);
+  const int looked_at = std::min(set.n(), consensus::kMostSearched);
   std::optional<WeighedMixture> best;
-  for (const consensus::Hypothesis& hypothesis : consensus::search_maps(set)) {
+  const std::vector<consensus::Hypothesis> hypotheses = consensus::search_maps(set);
+  for (const consensus::Hypothesis& hypothesis : hypotheses) {
+    const bool is_hopeless =
+        hypotheses.front().score > kFew && hypothesis.score < kHopeless * hypotheses.front().score;
+    if (is_hopeless) continue;
     const auto mixture = consensus::fit_mixture(set, hypothesis.map, start_sigma(set), looked_at);
     if (!mixture) continue;
     const double log_evidence = consensus::log_evidence(set, *mixture);

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "pose/orientation/consensus_answer.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -48,8 +47,8 @@ void set_residuals(const MatchedPoints& points, const PairSet& set, const Mixtur
     const double residual = (mixture.map * set.a[i] - set.b[i]).norm();
     alignment.residuals_m[static_cast<std::size_t>(set.given_index[i])] = residual * set.unit_b;
     if (!(mixture.probability[i] > 0.5)) continue;
-    squares += residual * residual / set.variance[i];
-    weights += 1 / set.variance[i];
+    squares += residual * residual * set.inverse_variance[i];
+    weights += set.inverse_variance[i];
   }
   alignment.residual_rms_m = weights > 0 ? set.unit_b * std::sqrt(squares / weights) : 0;
   for (const int index : set.ignored) {
@@ -71,9 +70,15 @@ RobustAlignment answer_of(const MatchedPoints& points, const PairSet& set, const
   for (std::size_t i = 0; i < set.a.size(); ++i) {
     const int given = set.given_index[i];
     alignment.inlier_probabilities[static_cast<std::size_t>(given)] = mixture.probability[i];
-    if (!(mixture.probability[i] > 0.5)) alignment.removed.push_back(given);
   }
-  std::sort(alignment.removed.begin(), alignment.removed.end());
+  std::size_t next_ignored = 0;
+  for (std::size_t k = 0; k < points.in_a.size(); ++k) {
+    const bool is_ignored =
+        next_ignored < set.ignored.size() && set.ignored[next_ignored] == static_cast<int>(k);
+    next_ignored += is_ignored;
+    if (is_ignored || alignment.inlier_probabilities[k] > 0.5) continue;
+    alignment.removed.push_back(static_cast<int>(k));
+  }
   set_residuals(points, set, mixture, alignment);
   set_covariance(set, mixture, alignment);
   return alignment;
@@ -98,7 +103,7 @@ std::optional<Mixture> certain_mixture(const PairSet& set, std::span<const int> 
   for (const int index : inliers) {
     const auto k = static_cast<std::size_t>(index);
     mixture.probability[k] = 1;
-    squares += (*map * set.a[k] - set.b[k]).squaredNorm() / set.variance[k];
+    squares += (*map * set.a[k] - set.b[k]).squaredNorm() * set.inverse_variance[k];
   }
   const double degrees = std::max(3 * mixture.inliers - set.unknowns(), 1.0);
   mixture.sigma = set.sigma > 0 ? set.sigma : std::max(std::sqrt(squares / degrees), kLeastSigma);

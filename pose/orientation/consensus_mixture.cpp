@@ -26,7 +26,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -46,26 +45,44 @@ struct Weighing {
   double squares = 0;  ///< sum p r^2 / v
 };
 
+/// How far a change of the map moves the cloud.
+double move_between(const Similarity& one, const Similarity& other) {
+  return (one.scale * one.rotation - other.scale * other.rotation).norm() +
+         (one.translation - other.translation).norm();
+}
+
+/// The odds of being an inlier of a pair of variance 1 that has no residual.
+double odds_at_zero(const PairSet& set, const Mixture& mixture) {
+  const double variance = mixture.sigma * mixture.sigma;
+  return (1 - mixture.outlier_share) * set.volume /
+         (mixture.outlier_share * std::pow(2 * std::numbers::pi * variance, 1.5));
+}
+
+/// What r^2 / v makes a pair negligible, whatever v is.
+double negligible_square(const PairSet& set, const Mixture& mixture) {
+  const double variance = mixture.sigma * mixture.sigma;
+  const double ratio = odds_at_zero(set, mixture) / std::pow(set.least_variance, 1.5);
+  return 2 * variance * std::log(std::max(ratio / kNegligible, 10.0));
+}
+
 /// Lists the pairs that are not negligible, with their probabilities.
 Weighing weigh(const PairSet& set, const Mixture& mixture, std::span<const int> candidates,
                std::vector<int>& indices, std::vector<double>& probabilities) {
-  const double variance = mixture.sigma * mixture.sigma;
-  const double inlier =
-      (1 - mixture.outlier_share) / std::pow(2 * std::numbers::pi * variance, 1.5);
-  const double outlier = mixture.outlier_share / set.volume;
+  const double half_precision = -0.5 / (mixture.sigma * mixture.sigma);
+  const double at_zero = odds_at_zero(set, mixture);
+  const double farthest = negligible_square(set, mixture);
+  const bool has_weights = set.least_variance < 1;
+  const Eigen::Matrix3d turn = mixture.map.scale * mixture.map.rotation;
   indices.clear();
   probabilities.clear();
   Weighing sums;
-  const double ratio = inlier / outlier;
-  // Beyond this r^2 / v the odds are negligible, whatever v is.
-  const double most = ratio / (kNegligible * std::pow(set.least_variance, 1.5));
-  const double farthest = 2 * variance * std::log(std::max(most, 10.0));
   for (const int index : candidates) {
     const auto k = static_cast<std::size_t>(index);
-    const double r2 = (mixture.map * set.a[k] - set.b[k]).squaredNorm() / set.variance[k];
+    const Eigen::Vector3d r = turn * set.a[k] + mixture.map.translation - set.b[k];
+    const double r2 = r.squaredNorm() * set.inverse_variance[k];
     if (!(r2 < farthest)) continue;
-    const double odds =
-        ratio * std::exp(-0.5 * r2 / variance) / (set.variance[k] * std::sqrt(set.variance[k]));
+    double odds = at_zero * std::exp(half_precision * r2);
+    if (has_weights) odds *= std::pow(set.inverse_variance[k], 1.5);
     if (!(odds > kNegligible)) continue;
     const double p = odds / (1 + odds);
     indices.push_back(index);
@@ -76,17 +93,36 @@ Weighing weigh(const PairSet& set, const Mixture& mixture, std::span<const int> 
   return sums;
 }
 
+/// The pairs that may come to count while the map moves a little and the noise shrinks: those at
+/// less than twice the distance at which they count.
+struct Candidates {
+  std::vector<int> indices;
+  Similarity listed_at;
+  double listed_sigma = 0;
+  double slack = 0;  ///< how far the map may move the cloud
+
+  void list(const PairSet& set, const Mixture& mixture, int n) {
+    const double square = negligible_square(set, mixture);
+    indices.clear();
+    for (int i = 0; i < n; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double r2 = (mixture.map * set.a[k] - set.b[k]).squaredNorm();
+      if (r2 * set.inverse_variance[k] < 4 * square) indices.push_back(i);
+    }
+    listed_at = mixture.map;
+    listed_sigma = mixture.sigma;
+    slack = std::sqrt(square * set.least_variance);
+  }
+  bool are_valid_for(const Mixture& mixture) const {
+    return mixture.sigma <= listed_sigma && move_between(mixture.map, listed_at) < slack;
+  }
+};
+
 double next_sigma(const PairSet& set, const Weighing& sums, double sigma) {
   if (set.sigma > 0) return std::max(set.sigma, 0.5 * sigma);
   const double degrees = std::max(3 * sums.inliers - set.unknowns(), 1.0);
   const double found = std::sqrt(sums.squares / degrees);
   return std::clamp(found, std::max(0.4 * sigma, kLeastSigma), set.largest_sigma());
-}
-
-/// How far a change of the map moves the cloud.
-double move_between(const Similarity& one, const Similarity& other) {
-  return (one.scale * one.rotation - other.scale * other.rotation).norm() +
-         (one.translation - other.translation).norm();
 }
 
 double log_binomial(double n, double k) {
@@ -100,12 +136,12 @@ std::optional<Mixture> fit_mixture(const PairSet& set, const Similarity& start, 
   Mixture mixture;
   mixture.map = start;
   mixture.sigma = std::max(start_sigma, kLeastSigma);
-  std::vector<int> candidates(static_cast<std::size_t>(n));
-  std::iota(candidates.begin(), candidates.end(), 0);
+  Candidates candidates;
   std::vector<int> indices;
   std::vector<double> probabilities;
   for (int round = 0; round < kMostRounds; ++round) {
-    const Weighing sums = weigh(set, mixture, candidates, indices, probabilities);
+    if (!candidates.are_valid_for(mixture)) candidates.list(set, mixture, n);
+    const Weighing sums = weigh(set, mixture, candidates.indices, indices, probabilities);
     if (sums.inliers < 3.01) return std::nullopt;
     const std::optional<Similarity> map = fit_pairs(set, indices, probabilities);
     if (!map) return std::nullopt;
@@ -133,7 +169,7 @@ double log_evidence(const PairSet& set, const Mixture& mixture) {
   for (std::size_t i = 0; i < mixture.probability.size(); ++i) {
     if (!(mixture.probability[i] > 0.5)) continue;
     inliers.push_back(static_cast<int>(i));
-    log_variances += std::log(set.variance[i]);
+    log_variances -= std::log(set.inverse_variance[i]);
   }
   const double k = static_cast<double>(inliers.size());
   const double degrees = 3 * k - set.unknowns();
@@ -144,7 +180,7 @@ double log_evidence(const PairSet& set, const Mixture& mixture) {
   double squares = 0;
   for (const int i : inliers) {
     const auto at = static_cast<std::size_t>(i);
-    squares += (*map * set.a[at] - set.b[at]).squaredNorm() / set.variance[at];
+    squares += (*map * set.a[at] - set.b[at]).squaredNorm() * set.inverse_variance[at];
   }
   squares = std::max(squares, 3 * k * kLeastSigma * kLeastSigma);
   const Spread spread = spread_of(set, *map, inliers);
@@ -180,7 +216,7 @@ std::optional<Eigen::MatrixXd> covariance_of(const PairSet& set, const Mixture& 
     jacobian.leftCols<3>() << 0, q.z(), -q.y(), -q.z(), 0, q.x(), q.y(), -q.x(), 0;
     jacobian.middleCols<3>(3).setIdentity();
     if (unknowns == 7) jacobian.col(6) = q;
-    const double information = 1 / (variance * set.variance[i]);
+    const double information = set.inverse_variance[i] / variance;
     const Eigen::Vector3d r = q + mixture.map.translation - set.b[i];
     const Eigen::VectorXd slope = information * (jacobian.transpose() * r);
     certain.noalias() += (p * information) * jacobian.transpose() * jacobian;

@@ -14,13 +14,14 @@ namespace {
 /// What is left out on either side of a cloud's box, and the least side of it, of its longest.
 constexpr double kTail = 0.05;
 constexpr double kLeastSide = 0.02;
+/// Medians and boxes are those of the first so many pairs, which are a fair sample.
+constexpr std::size_t kMostForBox = 256;
+/// Pairs with more noise than this agree with anything, and are left out of the search.
+constexpr double kMostSearchedSigma = 0.1;
+/// What noise is taken for that is not known, of the cube root of the volume.
+constexpr double kGuessedSigma = 0.0107;
 /// Unknown noise is at most this part of the cube root of the volume.
 constexpr double kLargestSigma = 0.03;
-
-double nth_of(std::vector<double>& values, std::size_t n) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(n), values.end());
-  return values[n];
-}
 
 /// The median of each coordinate, and the sides of the box that PairSet speaks of.
 struct Box {
@@ -29,7 +30,7 @@ struct Box {
 };
 
 Box box_of(const std::vector<Eigen::Vector3d>& points) {
-  const std::size_t n = points.size();
+  const std::size_t n = std::min(points.size(), kMostForBox);
   const std::size_t left_out =
       n < 5 ? 0 : static_cast<std::size_t>(std::ceil(kTail * static_cast<double>(n)));
   // Of n uniform points, the span of those that are left to the whole.
@@ -38,10 +39,9 @@ Box box_of(const std::vector<Eigen::Vector3d>& points) {
   std::vector<double> values(n);
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < n; ++i) values[i] = points[i][axis];
-    box.middle[axis] = nth_of(values, n / 2);
-    const double low = nth_of(values, left_out);
-    const double high = nth_of(values, n - 1 - left_out);
-    box.sides[axis] = widening * (high - low);
+    std::sort(values.begin(), values.end());
+    box.middle[axis] = values[n / 2];
+    box.sides[axis] = widening * (values[n - 1 - left_out] - values[left_out]);
   }
   return box;
 }
@@ -61,6 +61,8 @@ void take_usable(const MatchedPoints& points, PairSet& set) {
     std::swap(order[static_cast<std::size_t>(i)],
               order[static_cast<std::size_t>(drawn_below(static_cast<std::uint64_t>(i), i + 1))]);
   }
+  set.a.reserve(order.size());
+  set.b.reserve(order.size());
   for (const int k : order) {
     set.a.push_back(points.in_a[static_cast<std::size_t>(k)]);
     set.b.push_back(points.in_b[static_cast<std::size_t>(k)]);
@@ -69,17 +71,19 @@ void take_usable(const MatchedPoints& points, PairSet& set) {
 
 /// Returns the weight that has a variance of 1.
 double set_variances(const MatchedPoints& points, PairSet& set) {
-  set.variance.assign(set.a.size(), 1.0);
+  set.inverse_variance.assign(set.a.size(), 1.0);
   if (points.weights.empty()) return 1;
   std::vector<double> weights;
   for (const int k : set.given_index) {
     weights.push_back(points.weights[static_cast<std::size_t>(k)]);
   }
   std::vector<double> sorted = weights;
-  const double median = nth_of(sorted, sorted.size() / 2);
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double median = *middle;
   for (std::size_t i = 0; i < weights.size(); ++i) {
-    set.variance[i] = median / weights[i];
-    set.least_variance = std::min(set.least_variance, set.variance[i]);
+    set.inverse_variance[i] = weights[i] / median;
+    set.least_variance = std::min(set.least_variance, median / weights[i]);
   }
   return median;
 }
@@ -102,8 +106,10 @@ bool normalise(PairSet& set) {
 
 void fill_rows(PairSet& set) {
   kernel::PairRows& rows = set.rows;
-  kernel::resize(rows, set.a.size());
-  for (std::size_t i = 0; i < set.a.size(); ++i) {
+  const double sigma = set.expected_sigma();
+  const std::size_t n = std::min<std::size_t>(set.a.size(), kMostSearched);
+  kernel::resize(rows, n);
+  for (std::size_t i = 0; i < n; ++i) {
     const Eigen::Vector3f a = set.a[i].cast<float>();
     const Eigen::Vector3f b = set.b[i].cast<float>();
     rows.ax[i] = a.x();
@@ -112,7 +118,9 @@ void fill_rows(PairSet& set) {
     rows.bx[i] = b.x();
     rows.by[i] = b.y();
     rows.bz[i] = b.z();
-    rows.v[i] = static_cast<float>(set.variance[i]);
+    const double variance = 1 / set.inverse_variance[i];
+    const bool says_much = variance * sigma * sigma < kMostSearchedSigma * kMostSearchedSigma;
+    if (says_much) rows.v[i] = static_cast<float>(variance);
   }
 }
 
@@ -120,6 +128,10 @@ void fill_rows(PairSet& set) {
 
 double PairSet::largest_sigma() const {
   return sigma > 0 ? sigma : kLargestSigma * std::cbrt(volume);
+}
+
+double PairSet::expected_sigma() const {
+  return sigma > 0 ? sigma : kGuessedSigma * std::cbrt(volume);
 }
 
 PairSet prepare_pairs(const MatchedPoints& points, const RobustAlignmentOptions& options) {
@@ -158,38 +170,39 @@ Alignment in_given_units(const PairSet& set, const Similarity& map) {
 
 std::optional<Similarity> fit_pairs(const PairSet& set, std::span<const int> indices,
                                     std::span<const double> weights) {
+  if (indices.size() < 3) return std::nullopt;
+  // About one of the pairs, so that little cancels where they lie together.
+  const Eigen::Vector3d origin_a = set.a[static_cast<std::size_t>(indices[0])];
+  const Eigen::Vector3d origin_b = set.b[static_cast<std::size_t>(indices[0])];
   double sum = 0;
+  double norm_a = 0;
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_b = Eigen::Vector3d::Zero();
-  const auto weight_of = [&](std::size_t i, std::size_t k) {
-    return (weights.empty() ? 1.0 : weights[i]) / set.variance[k];
-  };
+  Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < indices.size(); ++i) {
     const auto k = static_cast<std::size_t>(indices[i]);
-    const double w = weight_of(i, k);
+    const double w = (weights.empty() ? 1.0 : weights[i]) * set.inverse_variance[k];
+    const Eigen::Vector3d x = set.a[k] - origin_a;
+    const Eigen::Vector3d y = w * (set.b[k] - origin_b);
     sum += w;
-    mean_a += w * set.a[k];
-    mean_b += w * set.b[k];
+    mean_a += w * x;
+    mean_b += y;
+    cross.noalias() += y * x.transpose();
+    norm_a += w * x.squaredNorm();
   }
   if (!(sum > 0)) return std::nullopt;
   mean_a /= sum;
   mean_b /= sum;
-  Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
-  double spread_a = 0;
-  for (std::size_t i = 0; i < indices.size(); ++i) {
-    const auto k = static_cast<std::size_t>(indices[i]);
-    const double w = weight_of(i, k);
-    const Eigen::Vector3d x = set.a[k] - mean_a;
-    cross.noalias() += (w * (set.b[k] - mean_b)) * x.transpose();
-    spread_a += w * x.squaredNorm();
-  }
+  cross.noalias() -= (sum * mean_b) * mean_a.transpose();
   const OrientationEstimate estimate = fast_rotation(cross);
   if (estimate.status != OrientationStatus::kOk) return std::nullopt;
   Similarity map;
   map.rotation = estimate.b_from_a.rotation;
-  if (set.estimates_scale) map.scale = map.rotation.cwiseProduct(cross).sum() / spread_a;
+  if (set.estimates_scale) {
+    map.scale = map.rotation.cwiseProduct(cross).sum() / (norm_a - sum * mean_a.squaredNorm());
+  }
   if (!(map.scale > 0 && std::isfinite(map.scale))) return std::nullopt;
-  map.translation = mean_b - map.scale * (map.rotation * mean_a);
+  map.translation = origin_b + mean_b - map.scale * (map.rotation * (origin_a + mean_a));
   return map;
 }
 
@@ -197,14 +210,14 @@ Spread spread_of(const PairSet& set, const Similarity& map, std::span<const int>
   Spread spread;
   for (const int index : indices) {
     const auto k = static_cast<std::size_t>(index);
-    spread.weight += 1 / set.variance[k];
-    spread.mean += (map.scale / set.variance[k]) * (map.rotation * set.a[k]);
+    spread.weight += set.inverse_variance[k];
+    spread.mean += (map.scale * set.inverse_variance[k]) * (map.rotation * set.a[k]);
   }
   spread.mean /= spread.weight;
   for (const int index : indices) {
     const auto k = static_cast<std::size_t>(index);
     const Eigen::Vector3d x = map.scale * (map.rotation * set.a[k]) - spread.mean;
-    spread.about_mean.noalias() += (x / set.variance[k]) * x.transpose();
+    spread.about_mean.noalias() += (set.inverse_variance[k] * x) * x.transpose();
   }
   return spread;
 }

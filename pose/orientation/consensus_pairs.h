@@ -18,6 +18,10 @@
 
 namespace sightline::consensus {
 
+/// Of more pairs so many, a fair sample, are searched; the others are only in the way before the
+/// end.
+inline constexpr int kMostSearched = 1024;
+
 /// x_b = scale R x_a + t.
 struct Similarity {
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
@@ -38,9 +42,9 @@ struct PairSet {
   std::vector<int> given_index;                                 ///< of each pair
   std::vector<int> ignored;                                     ///< given indices, ascending
   std::vector<Eigen::Vector3d> a, b;                            ///< about the middles, in units
-  std::vector<double> variance;  ///< of the noise, in units of that of the median weight
+  std::vector<double> inverse_variance;  ///< of the noise: 1 at the median weight
   double least_variance = 1;
-  kernel::PairRows rows;  ///< the same in single precision
+  kernel::PairRows rows;  ///< the first kMostSearched in single precision
   Eigen::Vector3d middle_a = Eigen::Vector3d::Zero();
   Eigen::Vector3d middle_b = Eigen::Vector3d::Zero();
   double unit_a = 1;        ///< of coordinates of a, metres: that of b unless a scale is estimated
@@ -53,6 +57,8 @@ struct PairSet {
   int n() const { return static_cast<int>(a.size()); }
   /// How many unknowns a pose has.
   int unknowns() const { return estimates_scale ? 7 : 6; }
+  /// The noise that is known, or what it is taken for.
+  double expected_sigma() const;
   /// Noise that is not known is at most this much.
   double largest_sigma() const;
 };

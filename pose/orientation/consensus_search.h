@@ -13,12 +13,9 @@ namespace sightline::consensus {
 /// A map that some pairs agree with.
 struct Hypothesis {
   Similarity map;
-  /// The sum over the pairs (of the first kMostScored) of max(0, 1 - r^2 / radius^2).
+  /// The sum over the pairs (of the first kMostSearched) of max(0, 1 - r^2 / radius^2).
   double score = 0;
 };
-
-/// So many pairs are looked at closely; more are only in the way before the end.
-inline constexpr int kMostScored = 1024;
 
 /// The radius of consensus: the distance, for a pair of variance 1, at which one is no longer one
 /// of many that agree.
