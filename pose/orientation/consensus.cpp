@@ -24,7 +24,7 @@
 #include <limits>
 
 #include "pose/orientation/consensus_answer.h"
-#include "pose/orientation/consensus_mixture.h"
+#include "pose/orientation/consensus_evidence.h"
 #include "pose/orientation/consensus_search.h"
 #include "pose/orientation/robust_methods.h"
 
@@ -40,40 +40,70 @@ constexpr double kHopeless = 0.6;
 constexpr double kFew = 8;
 const double kLogSignificantOdds = std::log(100.0);
 
-/// The mixture begins at a noise that is rather too large.
-double start_sigma(const PairSet& set) {
-  return set.sigma > 0 ? 3 * set.sigma
-                       : std::min(consensus::consensus_radius(set) / 2.6, set.largest_sigma());
-}
+/// Where the noise is not known, and what was found at first is not significant, the search is
+/// repeated for so many times the noise that it was made for.
+constexpr double kOtherNoises[] = {2.5, 0.2};
 
 struct WeighedMixture {
   Mixture mixture;
-  double log_evidence;
+  double log_evidence = 0;
 };
 
-std::optional<WeighedMixture> best_mixture(const PairSet& set) {
-  const int looked_at = std::min(set.n(), consensus::kMostSearched);
-  std::optional<WeighedMixture> best;
-  const std::vector<consensus::Hypothesis> hypotheses = consensus::search_maps(set);
+using Best = std::optional<WeighedMixture>;
+
+/// The mixture about a map, begun at a noise that is rather too large, and freed of intruders.
+Best weighed_mixture(const PairSet& set, const consensus::Similarity& map, double start_sigma,
+                     int n) {
+  const auto mixture = consensus::fit_mixture(set, map, start_sigma, n);
+  if (!mixture) return std::nullopt;
+  const std::vector<int> inliers = consensus::probable_inliers(*mixture);
+  const WeighedMixture found = {*mixture, consensus::log_evidence(set, inliers, n)};
+  if (set.sigma > 0) return found;
+  const std::vector<int> fewer = consensus::without_intruders(set, inliers, n);
+  if (fewer.size() == inliers.size()) return found;
+  const auto certain = consensus::certain_mixture(set, fewer);
+  if (!certain) return found;
+  const auto better = consensus::fit_mixture(set, certain->map, certain->sigma, n);
+  if (!better) return found;
+  const double evidence = consensus::log_evidence(set, consensus::probable_inliers(*better), n);
+  return evidence > found.log_evidence ? WeighedMixture{*better, evidence} : found;
+}
+
+void keep_better(Best& best, const Best& other) {
+  if (other && (!best || other->log_evidence > best->log_evidence)) best = other;
+}
+
+/// The best mixture on the first n pairs from a search at that noise.
+Best best_from_search(const PairSet& set, double sigma, int n) {
+  // The radius of consensus over the root of 3, and a little more.
+  const double start_sigma =
+      set.sigma > 0 ? 3 * sigma
+                    : std::min(consensus::consensus_radius(sigma) / 2.6, set.largest_sigma());
+  Best best;
+  const std::vector<consensus::Hypothesis> hypotheses = consensus::search_maps(set, sigma);
   for (const consensus::Hypothesis& hypothesis : hypotheses) {
-    const bool is_hopeless =
-        hypotheses.front().score > kFew && hypothesis.score < kHopeless * hypotheses.front().score;
-    if (is_hopeless) continue;
-    const auto mixture = consensus::fit_mixture(set, hypothesis.map, start_sigma(set), looked_at);
-    if (!mixture) continue;
-    const double log_evidence = consensus::log_evidence(set, *mixture);
-    if (!best || log_evidence > best->log_evidence) best = {*mixture, log_evidence};
+    const double best_score = hypotheses.front().score;
+    if (best_score > kFew && hypothesis.score < kHopeless * best_score) continue;
+    keep_better(best, weighed_mixture(set, hypothesis.map, start_sigma, n));
   }
-  if (!best || looked_at == set.n()) return best;
+  return best;
+}
+
+Best best_mixture(const PairSet& set) {
+  const int n = std::min(set.n(), consensus::kMostSearched);
+  const double sigma = set.expected_sigma();
+  Best best = best_from_search(set, sigma, n);
+  for (const double factor : kOtherNoises) {
+    if (set.sigma > 0 || (best && best->log_evidence > kLogSignificantOdds)) break;
+    keep_better(best, best_from_search(set, factor * sigma, n));
+  }
+  if (!best || n == set.n()) return best;
   // Now all of them.
-  const auto whole =
-      consensus::fit_mixture(set, best->mixture.map, 1.5 * best->mixture.sigma, set.n());
-  if (!whole) return std::nullopt;
-  return WeighedMixture{*whole, consensus::log_evidence(set, *whole)};
+  return weighed_mixture(set, best->mixture.map, 1.5 * best->mixture.sigma, set.n());
 }
 
 /// Three pairs, which nothing contradicts.
-std::optional<WeighedMixture> fit_of_three(const PairSet& set) {
+Best fit_of_three(const PairSet& set) {
   const std::optional<Mixture> mixture = consensus::certain_mixture(set, std::vector<int>{0, 1, 2});
   if (!mixture) return std::nullopt;
   return WeighedMixture{*mixture, -std::numeric_limits<double>::infinity()};

@@ -28,11 +28,6 @@ struct Mixture {
 std::optional<Mixture> fit_mixture(const PairSet& set, const Similarity& start, double start_sigma,
                                    int n);
 
-/// How many times more probable it is that the pairs with a probability above one half agree than
-/// that all pairs are outliers: the logarithm of the Bayes factor, with the map and, where it is
-/// not known, the noise integrated.
-double log_evidence(const PairSet& set, const Mixture& mixture);
-
 /// Covariance of (w, dt), or of (w, dt, d ln scale) where a scale is estimated, in the set's units,
 /// the doubt about who is an inlier included; where the noise was found, that of Student's law.
 /// None where it is not determined.

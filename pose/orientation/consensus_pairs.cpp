@@ -14,13 +14,16 @@ namespace {
 /// What is left out on either side of a cloud's box, and the least side of it, of its longest.
 constexpr double kTail = 0.05;
 constexpr double kLeastSide = 0.02;
+constexpr double kLeastSideOfSpan = 0.35;
+/// A box that is so many times larger with all of its points has points far out.
+constexpr double kFarOut = 4;
 /// Medians and boxes are those of the first so many pairs, which are a fair sample.
 constexpr std::size_t kMostForBox = 256;
 /// Pairs with more noise than this agree with anything, and are left out of the search.
 constexpr double kMostSearchedSigma = 0.1;
-/// What noise is taken for that is not known, of the cube root of the volume.
+/// What noise is taken for that is not known, of the span.
 constexpr double kGuessedSigma = 0.0107;
-/// Unknown noise is at most this part of the cube root of the volume.
+/// Unknown noise is at most this part of the span.
 constexpr double kLargestSigma = 0.03;
 
 /// The median of each coordinate, and the sides of the box that PairSet speaks of.
@@ -34,14 +37,18 @@ Box box_of(const std::vector<Eigen::Vector3d>& points) {
   const std::size_t left_out =
       n < 5 ? 0 : static_cast<std::size_t>(std::ceil(kTail * static_cast<double>(n)));
   // Of n uniform points, the span of those that are left to the whole.
-  const double widening = static_cast<double>(n + 1) / static_cast<double>(n - 1 - 2 * left_out);
+  const auto widening = [n](std::size_t out) {
+    return static_cast<double>(n + 1) / static_cast<double>(n - 1 - 2 * out);
+  };
   Box box;
   std::vector<double> values(n);
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t i = 0; i < n; ++i) values[i] = points[i][axis];
     std::sort(values.begin(), values.end());
     box.middle[axis] = values[n / 2];
-    box.sides[axis] = widening * (values[n - 1 - left_out] - values[left_out]);
+    const double most = widening(left_out) * (values[n - 1 - left_out] - values[left_out]);
+    const double whole = widening(0) * (values[n - 1] - values[0]);
+    box.sides[axis] = whole > kFarOut * most && most > 0 ? most : whole;
   }
   return box;
 }
@@ -101,6 +108,7 @@ bool normalise(PairSet& set) {
   for (Eigen::Vector3d& x : set.a) x = (x - set.middle_a) / set.unit_a;
   for (Eigen::Vector3d& x : set.b) x = (x - set.middle_b) / set.unit_b;
   set.volume = (box_b.sides / set.unit_b).cwiseMax(kLeastSide).prod();
+  set.span = std::cbrt((box_b.sides / set.unit_b).cwiseMax(kLeastSideOfSpan).prod());
   return true;
 }
 
@@ -127,11 +135,11 @@ void fill_rows(PairSet& set) {
 }  // namespace
 
 double PairSet::largest_sigma() const {
-  return sigma > 0 ? sigma : kLargestSigma * std::cbrt(volume);
+  return sigma > 0 ? sigma : kLargestSigma * span;
 }
 
 double PairSet::expected_sigma() const {
-  return sigma > 0 ? sigma : kGuessedSigma * std::cbrt(volume);
+  return sigma > 0 ? sigma : kGuessedSigma * span;
 }
 
 PairSet prepare_pairs(const MatchedPoints& points, const RobustAlignmentOptions& options) {

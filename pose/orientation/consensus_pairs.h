@@ -35,8 +35,9 @@ struct Similarity {
 
 /// The pairs that can be used, in an order shuffled by a hash of the position, so that every run of
 /// them is a fair sample. Far outliers shall not decide what the unit is: middles are medians, and
-/// the unit is the longest side of the box of b that leaves a twentieth of the points out on every
-/// side, widened to what it would be for points that are uniform in it.
+/// the unit is the longest side of the box of b, or, where that is clearly larger than without a
+/// twentieth of the points on every side, of the box without them. Boxes are widened to what they
+/// would be for any number of points that are uniform in them.
 struct PairSet {
   OrientationStatus status = OrientationStatus::kTooFewPoints;  ///< kOk: the rest may be used
   std::vector<int> given_index;                                 ///< of each pair
@@ -52,6 +53,7 @@ struct PairSet {
   double sigma_unit_m = 1;  ///< noise of 1 here is that of so many metres at a weight of 1
   double sigma = 0;         ///< of the noise, here; 0: not known
   double volume = 1;        ///< of the box of b: outliers are uniform in it
+  double span = 1;          ///< the mean side of the box, were it not flat
   bool estimates_scale = false;
 
   int n() const { return static_cast<int>(a.size()); }

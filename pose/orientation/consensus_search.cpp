@@ -78,11 +78,11 @@ constexpr int kLeastVisits = 6;
 
 /// What the search has and works in.
 struct SearchState {
-  explicit SearchState(const PairSet& pairs) : set(pairs) {}
+  SearchState(const PairSet& pairs, double noise) : set(pairs), sigma(noise) {}
 
   const PairSet& set;
-  double sigma = set.expected_sigma();  ///< known or guessed
-  double radius2 = std::pow(kRadiusSigmas * sigma, 2);
+  double sigma;
+  double radius2 = std::pow(consensus_radius(sigma), 2);
   kernel::PairWindow window;  ///< where j and k are sought
   int least_clique = 0;       ///< that is worth looking at
   int draws = kDrawsOfJ;
@@ -376,12 +376,12 @@ double needed_visits(const SearchState& state) {
 
 }  // namespace
 
-double consensus_radius(const PairSet& set) {
-  return kRadiusSigmas * set.expected_sigma();
+double consensus_radius(double sigma) {
+  return kRadiusSigmas * sigma;
 }
 
-std::vector<Hypothesis> search_maps(const PairSet& set) {
-  SearchState state(set);
+std::vector<Hypothesis> search_maps(const PairSet& set, double sigma) {
+  SearchState state(set, sigma);
   const int n = static_cast<int>(state.set.rows.n);
   for (std::uint64_t counter = 0;; ++counter) {
     if (set.n() <= kAllPairsBelow && counter >= state.set.rows.n) break;

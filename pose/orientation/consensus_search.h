@@ -19,10 +19,10 @@ struct Hypothesis {
 
 /// The radius of consensus: the distance, for a pair of variance 1, at which one is no longer one
 /// of many that agree.
-double consensus_radius(const PairSet& set);
+double consensus_radius(double sigma);
 
-/// The best maps that differ, the best first; none where no three pairs that are not collinear keep
-/// their distances.
-std::vector<Hypothesis> search_maps(const PairSet& set);
+/// The best maps that differ, the best first, for noise of about that much; none where no three
+/// pairs that are not collinear keep their distances.
+std::vector<Hypothesis> search_maps(const PairSet& set, double sigma);
 
 }  // namespace sightline::consensus
