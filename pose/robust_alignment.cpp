@@ -13,6 +13,10 @@ constexpr std::array kRobustCatalogue = {
     RobustAlignmentMethod{"consensus",
                           "every pair weighed by its probability to be right, found by distances",
                           align_by_consensus},
+    RobustAlignmentMethod{"orpe", "the most pairs whose largest distance noise explains (minimax)",
+                          align_by_orpe},
+    RobustAlignmentMethod{"ransac_umeyama", "random triples, Umeyama's method, the most agreeing",
+                          align_by_ransac_umeyama},
 };
 
 std::vector<Eigen::Vector3d> taken_to_double(std::span<const Eigen::Vector3f> points) {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sightline::consensus {
+namespace sightline::pair_consensus {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -110,4 +110,4 @@ std::optional<Mixture> certain_mixture(const PairSet& set, std::span<const int> 
   return mixture;
 }
 
-}  // namespace sightline::consensus
+}  // namespace sightline::pair_consensus

@@ -4,7 +4,7 @@
 
 #include "pose/orientation/consensus_mixture.h"
 
-namespace sightline::consensus {
+namespace sightline::pair_consensus {
 
 /// A mixture over all pairs of the set, as an answer in the units that were given: pose, residuals,
 /// noise, covariance, and what became of each pair. Whether it is significant is left open.
@@ -17,4 +17,4 @@ RobustAlignment failure(const PairSet& set, OrientationStatus status);
 /// is not known is what their residuals say. None where they do not determine a map.
 std::optional<Mixture> certain_mixture(const PairSet& set, std::span<const int> inliers);
 
-}  // namespace sightline::consensus
+}  // namespace sightline::pair_consensus

@@ -21,7 +21,7 @@
 
 #include <Eigen/LU>
 
-namespace sightline::consensus {
+namespace sightline::pair_consensus {
 namespace {
 
 /// Of more pairs one intruder does not change the noise by much.
@@ -98,4 +98,4 @@ std::vector<int> without_intruders(const PairSet& set, std::vector<int> inliers,
   return inliers;
 }
 
-}  // namespace sightline::consensus
+}  // namespace sightline::pair_consensus

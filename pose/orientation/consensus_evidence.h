@@ -9,7 +9,7 @@
 
 #include "pose/orientation/consensus_mixture.h"
 
-namespace sightline::consensus {
+namespace sightline::pair_consensus {
 
 /// How many times more probable it is that exactly these of the first n pairs agree than that all
 /// of them are outliers: the logarithm of the Bayes factor, with the map and, where it is not
@@ -24,4 +24,4 @@ std::vector<int> probable_inliers(const Mixture& mixture);
 /// known, makes the noise look so large that it belongs.
 std::vector<int> without_intruders(const PairSet& set, std::vector<int> inliers, int n);
 
-}  // namespace sightline::consensus
+}  // namespace sightline::pair_consensus

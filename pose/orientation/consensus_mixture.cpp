@@ -19,7 +19,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
-namespace sightline::consensus {
+namespace sightline::pair_consensus {
 namespace {
 
 constexpr int kMostRounds = 60;
@@ -178,4 +178,4 @@ std::optional<Eigen::MatrixXd> covariance_of(const PairSet& set, const Mixture& 
   return covariance;
 }
 
-}  // namespace sightline::consensus
+}  // namespace sightline::pair_consensus

@@ -9,7 +9,7 @@
 
 #include "pose/orientation/consensus_pairs.h"
 
-namespace sightline::consensus {
+namespace sightline::pair_consensus {
 
 /// Noise below this, in the set's units, is rounding.
 inline constexpr double kLeastSigma = 1e-12;
@@ -33,4 +33,4 @@ std::optional<Mixture> fit_mixture(const PairSet& set, const Similarity& start, 
 /// None where it is not determined.
 std::optional<Eigen::MatrixXd> covariance_of(const PairSet& set, const Mixture& mixture);
 
-}  // namespace sightline::consensus
+}  // namespace sightline::pair_consensus

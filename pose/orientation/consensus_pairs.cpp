@@ -8,7 +8,7 @@
 
 #include "pose/absolute_orientation.h"
 
-namespace sightline::consensus {
+namespace sightline::pair_consensus {
 namespace {
 
 /// What is left out on either side of a cloud's box, and the least side of it, of its longest.
@@ -230,4 +230,4 @@ Spread spread_of(const PairSet& set, const Similarity& map, std::span<const int>
   return spread;
 }
 
-}  // namespace sightline::consensus
+}  // namespace sightline::pair_consensus

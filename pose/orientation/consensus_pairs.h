@@ -16,7 +16,7 @@
 #include "pose/kernels/pair_kernel.h"
 #include "pose/robust_alignment.h"
 
-namespace sightline::consensus {
+namespace sightline::pair_consensus {
 
 /// Of more pairs so many, a fair sample, are searched; the others are only in the way before the
 /// end.
@@ -99,4 +99,4 @@ inline int drawn_below(std::uint64_t counter, int count) {
   return static_cast<int>(((hash_of(counter) >> 32) * static_cast<std::uint64_t>(count)) >> 32);
 }
 
-}  // namespace sightline::consensus
+}  // namespace sightline::pair_consensus

@@ -24,7 +24,7 @@
 #include <array>
 #include <cmath>
 
-namespace sightline::consensus {
+namespace sightline::pair_consensus {
 namespace {
 
 /// Lengths may differ by this many standard deviations.
@@ -397,4 +397,4 @@ std::vector<Hypothesis> search_maps(const PairSet& set, double sigma) {
   return state.best;
 }
 
-}  // namespace sightline::consensus
+}  // namespace sightline::pair_consensus

@@ -8,7 +8,7 @@
 
 #include "pose/orientation/consensus_pairs.h"
 
-namespace sightline::consensus {
+namespace sightline::pair_consensus {
 
 /// A map that some pairs agree with.
 struct Hypothesis {
@@ -25,4 +25,4 @@ double consensus_radius(double sigma);
 /// pairs that are not collinear keep their distances.
 std::vector<Hypothesis> search_maps(const PairSet& set, double sigma);
 
-}  // namespace sightline::consensus
+}  // namespace sightline::pair_consensus
