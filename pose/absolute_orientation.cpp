@@ -27,9 +27,10 @@ OrientationEstimate estimate_by_moments(Points<Scalar> points_in_a, Points<Scala
 }
 
 template <auto kFromMoments, int kMinimumPoints, Reads kReads>
-constexpr OrientationMethod method(std::string_view name, std::string_view summary) {
+constexpr OrientationMethod method(std::string_view name, std::string_view summary,
+                                   OrientationFit fits = OrientationFit::kRigid) {
   return {name, summary, estimate_by_moments<double, kFromMoments, kMinimumPoints, kReads>,
-          estimate_by_moments<float, kFromMoments, kMinimumPoints, kReads>};
+          estimate_by_moments<float, kFromMoments, kMinimumPoints, kReads>, fits};
 }
 
 constexpr std::array kCatalogue = {
@@ -38,7 +39,7 @@ constexpr std::array kCatalogue = {
     method<orient_by_umeyama, 3, Reads::kCross>(
         "umeyama", "singular value decomposition, always a rotation (Umeyama 1991)"),
     method<orient_by_umeyama_scaled, 3, Reads::kCrossAndSpread>(
-        "umeyama_scaled", "the same with a scale (Umeyama 1991)"),
+        "umeyama_scaled", "the same with a scale (Umeyama 1991)", OrientationFit::kSimilarity),
     method<orient_by_arun, 3, Reads::kCross>(
         "arun", "singular value decomposition, may find a reflection (Arun et al. 1987)"),
     method<orient_by_horn_quaternion, 3, Reads::kCross>("horn_quaternion",
@@ -50,7 +51,8 @@ constexpr std::array kCatalogue = {
     method<orient_by_gauss_newton, 3, Reads::kCrossAndSpread>(
         "gauss_newton", "iterative least squares on the rotations"),
     method<orient_by_direct_linear, 4, Reads::kCrossAndSpread>(
-        "direct_linear", "affine least squares, then the nearest rotation"),
+        "direct_linear", "affine least squares, then the nearest rotation",
+        OrientationFit::kAffine),
 };
 
 }  // namespace

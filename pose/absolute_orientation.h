@@ -50,6 +50,13 @@ OrientationEstimate fast_absolute_orientation(std::span<const Eigen::Vector3f> p
                                               std::span<const Eigen::Vector3f> points_in_b,
                                               std::span<const double> weights = {});
 
+/// What a method fits, on which the covariance of its pose depends (pose/alignment.h).
+enum class OrientationFit {
+  kRigid,       ///< least squares over rotations and translations
+  kSimilarity,  ///< the same with a scale
+  kAffine,      ///< least squares over affine maps, then the nearest rotation
+};
+
 /// One way to the absolute orientation. In the catalogue for comparison; whoever wants a pose calls
 /// fast_absolute_orientation. To add a method: write pose/orientation/<name>.cpp with one function
 /// of moments, declare it in pose/orientation/methods.h, and give it a line in the catalogue
@@ -64,6 +71,7 @@ struct OrientationMethod {
   std::string_view summary;
   Estimator<double> estimate_double;
   Estimator<float> estimate_float;
+  OrientationFit fits = OrientationFit::kRigid;
 
   /// As fast_absolute_orientation, by this method.
   OrientationEstimate estimate(std::span<const Eigen::Vector3d> points_in_a,

@@ -85,6 +85,7 @@ const Rooms kPoseRooms = {
 const std::map<std::string, std::string> kCatalogues = {
     {"pose/solver.cpp", "solvers"},
     {"pose/absolute_orientation.cpp", "orientation"},
+    {"pose/robust_alignment.cpp", "orientation"},
 };
 
 // Libraries that are slow to compile or tied to a platform: only .cpp files may name them.

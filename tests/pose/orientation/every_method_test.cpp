@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "pose/absolute_orientation.h"
+#include "pose/robust_alignment.h"
 #include "tests/pose/matchers.h"
 #include "tests/pose/orientation/clouds.h"
 #include "tests/pose/synthetic.h"
@@ -18,11 +19,21 @@
 namespace sightline {
 namespace {
 
+/// A method that takes more than one file has its name before the others' too: consensus_pairs.cpp.
+bool is_part_of_a_robust_method(const std::string& stem) {
+  for (const RobustAlignmentMethod& method : robust_alignment_methods()) {
+    if (stem.starts_with(std::string(method.name) + "_")) return true;
+  }
+  return false;
+}
+
 TEST(OrientationMethods, EqualTheFolder) {
   std::set<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(
            std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "pose/orientation")) {
-    if (entry.path().extension() == ".cpp") files.insert(entry.path().stem());
+    const std::string stem = entry.path().stem();
+    const bool is_method = entry.path().extension() == ".cpp" && !is_part_of_a_robust_method(stem);
+    if (is_method) files.insert(stem);
   }
   std::set<std::string> names;
   for (const OrientationMethod& method : orientation_methods()) {
@@ -30,8 +41,14 @@ TEST(OrientationMethods, EqualTheFolder) {
     EXPECT_EQ(find_orientation_method(method.name), &method);
     EXPECT_FALSE(method.summary.empty());
   }
+  for (const RobustAlignmentMethod& method : robust_alignment_methods()) {
+    EXPECT_TRUE(names.emplace(method.name).second) << method.name;
+    EXPECT_EQ(find_robust_alignment_method(method.name), &method);
+    EXPECT_FALSE(method.summary.empty());
+  }
   EXPECT_EQ(names, files);
   EXPECT_EQ(find_orientation_method("slow"), nullptr);
+  EXPECT_EQ(find_robust_alignment_method("slow"), nullptr);
 }
 
 class MethodTest : public testing::TestWithParam<OrientationMethod> {
