@@ -59,6 +59,21 @@ void read_extraction(const TomlTable& file, bool is_noise_known, ImageSetup& set
   }
 }
 
+// Of keypoints alone some extractors find nothing: a study of nothing else would only fail.
+void require_useful_extractors(const TomlTable& table, const ImageStudy& study,
+                               const ExtractorChoice& extractors) {
+  if (study.target->has_mesh()) return;
+  for (const int feature : study.features) {
+    if (!extractors.of(study.target->features[feature].kind).needs_mesh) return;
+  }
+  const FeatureKind kind = study.target->features[study.features.front()].kind;
+  table.table("extraction")
+      .fail(
+          to_string(kind),
+          fmt::format("is \"{}\", which looks for what a mesh shows, but '{}' has keypoints alone",
+                      extractors.of(kind).name, study.target->name));
+}
+
 ImageSetup read_setup(const TomlTable& table, const ImageStudy& study) {
   ImageSetup setup;
   const bool is_drawn = !study.sighted;
@@ -66,6 +81,7 @@ ImageSetup read_setup(const TomlTable& table, const ImageStudy& study) {
       is_drawn ? read_scene_law(table, study.target, study.features) : dataset_scene(table, study);
   setup.prior = read_prior(table.table("prior"));
   read_extraction(table, is_drawn, setup);
+  require_useful_extractors(table, study, setup.extractors);
   if (!is_drawn && setup.bias_removal != BiasRemoval::kOff) {
     table.table("extraction")
         .fail("bias_removal", "needs a rendered image: of a data set's nobody knows the light");
@@ -131,6 +147,10 @@ ImageStudy read_image_study(const TomlTable& table, Use use, Study& common) {
   ImageStudy study;
   if (use == Use::kTrials || table.has("solvers")) study.solving = read_solving(table, "prior");
   study.target = read_target(table);
+  if (const std::string reason = why_not_renderable(*study.target);
+      !reason.empty() && !table.has("dataset")) {
+    table.fail("target", reason);
+  }
   study.features = read_features(table, use, *study.target);
   if (table.has("dataset")) {
     if (use == Use::kRendering) table.fail("dataset", "has its images already");
