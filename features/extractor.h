@@ -94,6 +94,7 @@ struct FeatureExtractor {
   bool needs_edges;  ///< finds line intersections alone; otherwise features of any kind
   /// What it finds, with its covariance and the evidence; or the reason why it finds nothing.
   Observation (*extract)(const ExtractionInput& input);
+  bool needs_mesh = false;  ///< of a target of keypoints alone it finds nothing
 
   bool finds(FeatureKind kind) const {
     return !needs_edges || kind == FeatureKind::kLineIntersection;

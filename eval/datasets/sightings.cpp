@@ -48,6 +48,11 @@ bool fits(const Eigen::AlignedBox3d& model_box, const SightingSource& source, bo
           const Target& target) {
   const Eigen::AlignedBox3d stated = turned(target_from_model(is_of_file_axes, target), model_box);
   const Eigen::AlignedBox3d box = box_of(target);
+  if (!target.has_mesh()) {  // keypoints lie on the model or in it
+    const double beyond_m = source.box_tolerance * stated.diagonal().norm();
+    return (stated.min() - box.min()).maxCoeff() <= beyond_m &&
+           (box.max() - stated.max()).maxCoeff() <= beyond_m;
+  }
   const double allowed_m = source.box_tolerance * box.diagonal().norm();
   return (stated.min() - box.min()).cwiseAbs().maxCoeff() <= allowed_m &&
          (stated.max() - box.max()).cwiseAbs().maxCoeff() <= allowed_m;
@@ -64,6 +69,13 @@ void require_same_model(const SightingSource& source, const SetReading& reading,
                         const Target& target) {
   if (!reading.model_box_m) return;
   if (fits(*reading.model_box_m, source, source.is_of_file_axes, target)) return;
+  if (!target.has_mesh()) {
+    throw InputError(fmt::format(
+        "{}: object {} fills {}, the keypoints of '{}' {}; they must lie within it, up to {:g} % "
+        "of its size (dataset.box_tolerance)",
+        reading.model_file.string(), reading.obj_id, text_of(*reading.model_box_m), target.name,
+        text_of(box_of(target)), 100 * source.box_tolerance));
+  }
   const bool would_otherwise = fits(*reading.model_box_m, source, !source.is_of_file_axes, target);
   throw InputError(fmt::format(
       "{}: object {} fills {}, the target '{}' {}{}; they must agree within {:g} % of the target's "
@@ -177,6 +189,10 @@ SightedSet read_sightings(const SightingSource& source,
                           const std::shared_ptr<const Target>& target) {
   if (!fs::is_directory(source.folder)) {
     throw InputError(fmt::format("{}: is no folder", source.folder.string()));
+  }
+  if (source.is_of_file_axes && !target->has_mesh()) {
+    throw InputError(fmt::format("axes is \"file\", but '{}' has keypoints alone and no mesh file",
+                                 target->name));
   }
   SetReading reading = set_reader_of(source).read(source);
   require_same_model(source, reading, *target);

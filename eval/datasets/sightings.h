@@ -61,8 +61,9 @@ struct SightingSource {
 /// targets ask for: the instances of test_targets_bop19.json or, without that file, all of which a
 /// tenth is visible; where an image has more, the most visible. A given prior goes to the instance
 /// whose origin is nearest, best score first. Throws InputError, with the file, for whatever is
-/// missing or not so: a picture, an object, a model whose box is not the target's, poses of which
-/// none puts the target into its image.
+/// missing or not so: a picture, an object, a model whose box is not the target's (or does not
+/// hold its keypoints, where it has nothing else), poses of which none puts the target into its
+/// image.
 SightedSet read_sightings(const SightingSource& source,
                           const std::shared_ptr<const Target>& target);
 

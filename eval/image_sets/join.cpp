@@ -26,16 +26,30 @@ void write_all(const fs::path& folder, const std::vector<SetFile>& files) {
 
 }  // namespace
 
+bool add_told_by_files(const fs::path& folder, const SetPlan& plan, Json& truth) {
+  if (plan.format->told_by_files == nullptr) return true;
+  Json& told = truth[std::string(kToldByFiles)];
+  told = plan.format->told_by_files(plan, folder, truth);
+  return !told.is_null();
+}
+
 std::vector<Json> read_truths(const fs::path& folder, const SetPlan& plan, int64_t chunk) {
   std::vector<Json> truths;
   const int64_t end = std::min(plan.count, (chunk + 1) * plan.chunk);
   for (int64_t index = chunk * plan.chunk; index < end; ++index) {
+    stop_if_interrupted();
     std::optional<Json> truth = read_truth(folder, plan, index);
     if (!truth) {
       throw InputError(fmt::format("{}: cannot be read as a truth; remove it and --resume",
                                    (folder / truth_path(plan, index)).string()));
     }
-    if (!truth->contains("failure")) truths.push_back(std::move(*truth));
+    if (truth->contains("failure")) continue;
+    if (!add_told_by_files(folder, plan, *truth)) {
+      throw InputError(
+          fmt::format("{}: the files of this image are missing or torn; remove it and --resume",
+                      (folder / truth_path(plan, index)).string()));
+    }
+    truths.push_back(std::move(*truth));
   }
   return truths;
 }
@@ -57,7 +71,6 @@ int64_t join_set(const SetPlan& plan, const fs::path& folder) {
   bool is_first = true;
   write_all(folder, plan.format->set_files(plan));
   for (int64_t chunk = 0; chunk < plan.chunk_count(); ++chunk) {
-    stop_if_interrupted();
     const std::vector<Json> truths = read_truths(folder, plan, chunk);
     images += static_cast<int64_t>(truths.size());
     write_all(folder, plan.format->chunk_files(plan, chunk, truths));

@@ -9,8 +9,12 @@
 
 namespace sightline {
 
-/// Reads a chunk's truths in the order of the images, less those of images that could not be made.
-/// Throws InputError for one that cannot be read.
+/// Gives a truth of an image in the folder what the format has to know of the image's files beside
+/// it (SetFormat::told_by_files). False where they cannot be read.
+bool add_told_by_files(const std::filesystem::path& folder, const SetPlan& plan, Json& truth);
+
+/// Reads a chunk's truths in the order of the images, less those of images that could not be made,
+/// each with what its files tell. Throws InputError for one that cannot be read.
 std::vector<Json> read_truths(const std::filesystem::path& folder, const SetPlan& plan,
                               int64_t chunk);
 

@@ -14,8 +14,12 @@
 
 namespace sightline {
 
+/// The member of a truth that chunk_files is given; it stands in no file.
+inline constexpr std::string_view kToldByFiles = "told_by_files";
+
 /// A layout that image sets are written in. To add one: write formats/<name>.cpp and name it in
-/// set_format.cpp. Every function is pure: the engine writes.
+/// set_format.cpp. Every function is pure but for what it reads: the engine
+/// writes.
 /// `truth` is what truth_of (truth.h) says of an image, and images that could not be made have no
 /// part in it.
 struct SetFormat {
@@ -32,6 +36,10 @@ struct SetFormat {
   std::vector<std::string> (*image_problems)(const SetPlan& plan,
                                              const std::filesystem::path& folder,
                                              const Json& truth);
+  /// What chunk_files has to know of an image's files beyond its truth, where it finds it as
+  /// kToldByFiles; null where they cannot be read. No function, of a format whose truths suffice.
+  Json (*told_by_files)(const SetPlan& plan, const std::filesystem::path& folder,
+                        const Json& truth);
   /// What joins a chunk's images: the truths are in the order of the images.
   std::vector<SetFile> (*chunk_files)(const SetPlan& plan, int64_t chunk,
                                       std::span<const Json> truths);

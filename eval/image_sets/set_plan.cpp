@@ -88,7 +88,11 @@ std::string default_scene(const std::string& target) {
   constexpr double kFocal = 2000;
   constexpr double kLargest = 0.7;  // of the image's width
   constexpr double kSmallest = 0.3;
-  const double radius = radius_m(load_target(target)->mesh);
+  const std::shared_ptr<const Target> loaded = load_target(target);
+  if (const std::string reason = why_not_renderable(*loaded); !reason.empty()) {
+    throw InputError(fmt::format("{}: {}", target, reason));
+  }
+  const double radius = radius_m(loaded->mesh);
   const double near_m = kFocal * 2 * radius / (kLargest * kSide);
   const double far_m = kFocal * 2 * radius / (kSmallest * kSide);
   // The smallest margin beside the target, halved.

@@ -85,7 +85,9 @@ class Verifier {
       return std::nullopt;
     }
     try {
-      return check_parts(index, *truth) ? truth : std::nullopt;
+      if (!check_parts(index, *truth)) return std::nullopt;
+      add_told_by_files(folder_, plan_, *truth);  // whether they can be read is told already
+      return truth;
     } catch (const Json::exception&) {
       problem(fmt::format("{}: lacks what a truth tells", path));
       return std::nullopt;

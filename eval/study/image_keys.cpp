@@ -102,6 +102,21 @@ void choose_extractor(const TomlTable& table, const std::string& name, const Ima
   }
 }
 
+// Of keypoints alone some extractors find nothing: a study of nothing else would only fail.
+void require_useful_extractors(const TomlTable& table, const ImageStudy& study,
+                               const ExtractorChoice& extractors) {
+  if (study.target->has_mesh()) return;
+  for (const int feature : study.features) {
+    if (!extractors.of(study.target->features[feature].kind).needs_mesh) return;
+  }
+  const FeatureKind kind = study.target->features[study.features.front()].kind;
+  table.table("extraction")
+      .fail(
+          to_string(kind),
+          fmt::format("is \"{}\", which looks for what a mesh shows, but '{}' has keypoints alone",
+                      extractors.of(kind).name, study.target->name));
+}
+
 ImageSetup read_setup(const TomlTable& table, const ImageStudy& study) {
   ImageSetup setup;
   const bool is_drawn = !study.sighted;
@@ -196,7 +211,9 @@ void read_setups(const TomlTable& table, ImageStudy& study, Study& common,
       study.setups.push_back(read_setup(set, study));
       reject_unknown_scene_keys(set);
     }
-    choose_extractor(table, names[i % names.size()], study, common, guests, study.setups.back());
+    ImageSetup& setup = study.setups.back();
+    choose_extractor(table, names[i % names.size()], study, common, guests, setup);
+    if (!setup.guest) require_useful_extractors(table, study, setup.extractors);
     add_cells(table, conditions[i], study, common.conditions);
   }
 }
@@ -206,6 +223,10 @@ void read_setups(const TomlTable& table, ImageStudy& study, Study& common,
 ImageStudy read_image_study(const TomlTable& table, Use use, Study& common, const Guests& guests) {
   ImageStudy study;
   study.target = read_target(table);
+  if (const std::string reason = why_not_renderable(*study.target);
+      !reason.empty() && !table.has("dataset")) {
+    table.fail("target", reason);
+  }
   study.features = read_features(table, use, *study.target);
   if (table.has("dataset")) {
     if (use == Use::kRendering) table.fail("dataset", "has its images already");

@@ -178,6 +178,9 @@ std::string report_target(const TargetArguments& arguments) {
     if (!std::isfinite(angle)) throw InputError(fmt::format("--theta: {} is not finite", angle));
   }
   const std::shared_ptr<const Target> target = load_target(arguments.target, frame_of(arguments));
+  if (const std::string reason = why_not_renderable(*target); !reason.empty()) {
+    throw InputError(fmt::format("target {}: {}", arguments.target, reason));
+  }
   const MeshInspection mesh = inspect(target->mesh);
   std::string out = target->name;
   if (!target->description.empty()) out += ": " + target->description;

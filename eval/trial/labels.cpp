@@ -81,17 +81,20 @@ const ImageLine* wrong_line(const Observation& observation, const Scene& scene, 
   return nullptr;
 }
 
-// Why an observation is far from the truth.
+// Why an observation is far from the truth. Where keypoints alone are known, nobody knows which
+// pixels show the target: it is not said to be clutter.
 ObservationLabel kind_of_error(const Observation& observation, const Scene& scene,
                                const Frame& frame, double line_px) {
+  const bool has_mesh = scene.target->has_mesh();
   if (observation.lines.empty()) {
-    return shows_target(frame.body_ids, observation.pixel) ? ObservationLabel::kWrongPoint
-                                                           : ObservationLabel::kClutter;
+    return !has_mesh || shows_target(frame.body_ids, observation.pixel)
+               ? ObservationLabel::kWrongPoint
+               : ObservationLabel::kClutter;
   }
   const ImageLine* const line = wrong_line(observation, scene, line_px);
   if (line == nullptr) return ObservationLabel::kWrongIntersection;
-  return shows_target(frame.body_ids, line->edge_pixels) ? ObservationLabel::kWrongLine
-                                                         : ObservationLabel::kClutter;
+  return !has_mesh || shows_target(frame.body_ids, line->edge_pixels) ? ObservationLabel::kWrongLine
+                                                                      : ObservationLabel::kClutter;
 }
 
 // The median difference across these points of an outline; 0 of fewer than four.
@@ -132,7 +135,7 @@ LabelledObservation label(const Observation& observation, const Scene& scene, co
   const FeatureTruth& truth = frame.truth.target().features[observation.feature];
   LabelledObservation out;
   out.is_visible = truth.is_visible &&
-                   (limits.least_contrast_grey == 0 ||
+                   (limits.least_contrast_grey == 0 || !scene.target->has_mesh() ||
                     contrast_grey(observation.feature, scene, frame) >= limits.least_contrast_grey);
   if (observation.status != ObservationStatus::kFound) {
     out.label = out.is_visible ? ObservationLabel::kMissing : ObservationLabel::kAbsent;

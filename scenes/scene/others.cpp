@@ -14,7 +14,11 @@ constexpr int kMostBodies = 254;  // body ids have 8 bits
 
 std::shared_ptr<const Target> load_other(const TomlTable& table, const OtherLaw& law) {
   try {
-    return scaled(load_target(law.name), law.scale);
+    const std::shared_ptr<const Target> target = load_target(law.name);
+    if (const std::string reason = why_not_renderable(*target); !reason.empty()) {
+      throw InputError(reason);
+    }
+    return scaled(target, law.scale);
   } catch (const InputError& error) {
     table.fail("target", fmt::format("cannot be used: {}", error.what()));
   }

@@ -3,6 +3,7 @@
 #include "scenes/target/target.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 
 #include <Eigen/Geometry>
@@ -27,10 +28,12 @@ MeshFrame read_frame(const TomlTable& table) {
           .unit_m = table.number("unit_m", {1e-6, 1e6}, defaults.unit_m)};
 }
 
-FeatureKind read_kind(const TomlTable& table) {
+FeatureKind read_kind(const TomlTable& table, bool has_mesh) {
   std::vector<std::string> names;
   for (const FeatureKind kind : kFeatureKinds) names.emplace_back(to_string(kind));
-  const std::string given = table.choice("kind", names);
+  std::optional<std::string> fallback;
+  if (!has_mesh) fallback = to_string(FeatureKind::kCorner);
+  const std::string given = table.choice("kind", names, fallback);
   return *std::find_if(kFeatureKinds.begin(), kFeatureKinds.end(),
                        [&](FeatureKind kind) { return to_string(kind) == given; });
 }
@@ -56,15 +59,24 @@ void check_edges(const TomlTable& table, const TargetFeature& feature) {
   }
 }
 
-TargetFeature read_feature(const TomlTable& table) {
+// An outline is that of a mesh.
+void require_no_outline(const TomlTable& table, const TargetFeature& feature) {
+  if (feature.kind != FeatureKind::kContour && feature.parts.empty()) return;
+  table.fail(
+      feature.parts.empty() ? "kind" : "parts",
+      fmt::format("of \"{}\" asks for an outline, but the target has no [mesh]", feature.name));
+}
+
+TargetFeature read_feature(const TomlTable& table, bool has_mesh) {
   TargetFeature feature;
   feature.name = table.text("name");
   if (feature.name.empty()) table.fail("name", "is empty");
-  feature.kind = read_kind(table);
+  feature.kind = read_kind(table, has_mesh);
   feature.position_m = table.vector3("position_m");
   feature.clearance_m = table.number("clearance_m", {0, 1e6}, feature.clearance_m);
   feature.parts = table.texts("parts", std::vector<std::string>{});
   feature.reach_m = table.number("reach_m", {1e-6, 1e6}, feature.reach_m);
+  if (!has_mesh) require_no_outline(table, feature);
   if (feature.kind == FeatureKind::kContour && feature.parts.empty()) {
     table.fail("parts", fmt::format("of \"{}\" must name the parts whose outline it is known by",
                                     feature.name));
@@ -77,11 +89,11 @@ TargetFeature read_feature(const TomlTable& table) {
   return feature;
 }
 
-std::vector<TargetFeature> read_features(const TomlTable& table) {
+std::vector<TargetFeature> read_features(const TomlTable& table, bool has_mesh) {
   std::vector<TargetFeature> features;
   std::set<std::string> names;
   for (const TomlTable& entry : table.tables("feature")) {
-    features.push_back(read_feature(entry));
+    features.push_back(read_feature(entry, has_mesh));
     if (!names.insert(features.back().name).second) {
       entry.fail("name", fmt::format("\"{}\" is given twice", features.back().name));
     }
@@ -121,7 +133,8 @@ void check_parts(const TomlTable& table, const Mesh& mesh) {
 std::shared_ptr<const Target> make_target(std::string name, std::string description,
                                           LoadedMesh loaded, std::vector<TargetFeature> features) {
   Occluder occluder(loaded.mesh);
-  std::vector<FeatureShape> shapes = feature_shapes(loaded.mesh, features);
+  std::vector<FeatureShape> shapes;
+  if (!loaded.mesh.triangles.empty()) shapes = feature_shapes(loaded.mesh, features);
   Facets facets = facets_of(loaded.mesh);
   return std::make_shared<const Target>(
       Target{std::move(name), std::move(description), std::move(loaded.mesh), loaded.cleaning,
@@ -129,7 +142,26 @@ std::shared_ptr<const Target> make_target(std::string name, std::string descript
              loaded.target_from_file});
 }
 
+// Keypoints alone stand where a mesh's vertices would: for the errors of a pose, and for the room
+// that the target takes.
+std::shared_ptr<const Target> make_keypoints(const TomlTable& table, std::string name,
+                                             std::string description,
+                                             std::vector<TargetFeature> features) {
+  if (features.empty()) {
+    table.fail("mesh", "is missing, and so is [[feature]]: a target has a mesh, keypoints or both");
+  }
+  LoadedMesh none;
+  for (const TargetFeature& feature : features) none.mesh.vertices.push_back(feature.position_m);
+  return make_target(std::move(name), std::move(description), std::move(none), std::move(features));
+}
+
 }  // namespace
+
+std::string why_not_renderable(const Target& target) {
+  if (target.has_mesh()) return "";
+  return fmt::format("'{}' has keypoints alone and no mesh: nothing of it can be rendered",
+                     target.name);
+}
 
 bool is_self_hidden(const Target& target, const TargetFeature& feature,
                     const Pose& cam_from_target) {
@@ -166,10 +198,15 @@ std::shared_ptr<const Target> load_target(const std::string& name_or_path, const
   const TomlTable table = TomlTable::read_file(file);
   const std::string name = table.text("name");
   const std::string description = table.text("description", "");
+  const bool has_mesh = table.has("mesh");
+  std::vector<TargetFeature> features = read_features(table, has_mesh);
+  if (!has_mesh) {
+    table.reject_unknown_keys();
+    return make_keypoints(table, name, description, std::move(features));
+  }
   const TomlTable mesh = table.table("mesh");
   const std::filesystem::path mesh_file = file.parent_path() / mesh.text("file");
   const MeshFrame mesh_frame = read_frame(mesh);
-  std::vector<TargetFeature> features = read_features(table);
   table.reject_unknown_keys();
   LoadedMesh loaded = read_mesh(mesh_file, mesh_frame);
   check_parts(table, loaded.mesh);

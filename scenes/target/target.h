@@ -14,20 +14,28 @@
 
 namespace sightline {
 
-/// A mesh and its features, in the target's frame: x forward, y starboard, z down, metres, so that
-/// the identity attitude shows the plan view from above with the nose to the right.
+/// A mesh and its features, or features alone (keypoints), in the target's frame: x forward,
+/// y starboard, z down, metres, so that the identity attitude shows the plan view from above with
+/// the nose to the right.
 struct Target {
   std::string name;
   std::string description;
-  Mesh mesh;
+  Mesh mesh;  ///< of keypoints alone: they are its vertices, and it has no triangles
   CleaningSummary cleaning;
   std::vector<TargetFeature> features;
   Occluder occluder;
-  std::vector<FeatureShape> shapes = {};  ///< of the mesh around each feature, in their order
-  Facets facets = {};                     ///< of the mesh, if it has few
+  /// Of the mesh around each feature, in their order; of keypoints alone none.
+  std::vector<FeatureShape> shapes = {};
+  Facets facets = {};  ///< of the mesh, if it has few
   /// Turns the axes of the mesh's file into the target's; the unit is not in it.
   Eigen::Matrix3d target_from_file = Eigen::Matrix3d::Identity();
+
+  /// False of keypoints alone: of these nothing is rendered, and nothing hides them.
+  bool has_mesh() const { return !mesh.triangles.empty(); }
 };
+
+/// Why nothing of a target can be rendered, in words for the user; empty where it has a mesh.
+std::string why_not_renderable(const Target& target);
 
 /// True when the target's own mesh hides the feature from the camera.
 bool is_self_hidden(const Target& target, const TargetFeature& feature,
@@ -42,9 +50,10 @@ std::shared_ptr<const Target> decimated(const std::shared_ptr<const Target>& tar
                                         double kept_fraction);
 
 /// Loads a target by name, from a target.toml, or from any mesh file (which has no features;
-/// `frame` is how the mesh's axes lie, a target.toml says it itself). Throws InputError for
-/// whatever is missing, misspelt, out of range or unreadable, and for a feature farther off the
-/// mesh than its clearance and 1 % of the target's size.
+/// `frame` is how the mesh's axes lie, a target.toml says it itself). A target.toml without [mesh]
+/// is one of keypoints alone, whose features are corners unless they say otherwise. Throws
+/// InputError for whatever is missing, misspelt, out of range or unreadable, and for a feature
+/// farther off the mesh than its clearance and 1 % of the target's size.
 std::shared_ptr<const Target> load_target(const std::string& name_or_path,
                                           const MeshFrame& frame = {});
 

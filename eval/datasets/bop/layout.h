@@ -31,6 +31,9 @@ inline constexpr std::string_view kTestSplit = "test";
 inline constexpr std::string_view kSceneCameraFile = "scene_camera.json";
 inline constexpr std::string_view kSceneTruthFile = "scene_gt.json";
 inline constexpr std::string_view kSceneInfoFile = "scene_gt_info.json";
+/// COCO's annotations with keypoints, which is ours: it stands beside the scene_gt_coco.json that
+/// the toolkit's calc_gt_coco writes, which has boxes and masks alone.
+inline constexpr std::string_view kSceneKeypointsFile = "scene_gt_coco_keypoints.json";
 inline constexpr std::string_view kColourFolder = "rgb";
 inline constexpr std::string_view kGreyFolder = "gray";
 inline constexpr std::string_view kDepthFolder = "depth";

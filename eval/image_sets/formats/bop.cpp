@@ -13,6 +13,7 @@
 #include "eval/datasets/bop/write.h"
 #include "eval/datasets/conventions.h"
 #include "eval/datasets/pictures.h"
+#include "eval/image_sets/coco_keypoints.h"
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
 
@@ -131,19 +132,37 @@ Json visibilities_of(const Json& truth) {
   return entries;
 }
 
+Json bop_told_by_files(const SetPlan& plan, const fs::path& folder, const Json& truth) {
+  return segmentations_in(folder, paths_of(plan, truth).visible_masks);
+}
+
+AnnotatedImage annotated_image(const SetPlan& plan, const std::string& scene, const Json& truth) {
+  const Json& camera = truth.at("camera");
+  return {.id = plan.number_in_chunk(truth.at("index")),
+          .file_name = paths_of(plan, truth).grey.substr(scene.size()),
+          .width_px = camera.at("width_px"),
+          .height_px = camera.at("height_px"),
+          .bodies = annotated(truth),
+          .segmentations = truth.at(kToldByFiles)};
+}
+
 std::vector<SetFile> bop_chunk_files(const SetPlan& plan, int64_t chunk,
                                      std::span<const Json> truths) {
+  const std::string scene = scene_folder(chunk);
   std::vector<bop::ImageEntry> cameras, poses, visibilities;
+  std::vector<AnnotatedImage> keypoints;
   for (const Json& truth : truths) {
     const int64_t im_id = plan.number_in_chunk(truth.at("index"));
     cameras.push_back({im_id, camera_of(truth, plan.depth_scale)});
     poses.push_back({im_id, poses_of(truth)});
     visibilities.push_back({im_id, visibilities_of(truth)});
+    keypoints.push_back(annotated_image(plan, scene, truth));
   }
-  const auto path = [&](std::string_view file) { return scene_folder(chunk) + std::string(file); };
+  const auto path = [&](std::string_view file) { return scene + std::string(file); };
   return {{path(bop::kSceneCameraFile), bop::scene_file(cameras)},
           {path(bop::kSceneTruthFile), bop::scene_file(poses)},
-          {path(bop::kSceneInfoFile), bop::scene_file(visibilities)}};
+          {path(bop::kSceneInfoFile), bop::scene_file(visibilities)},
+          {path(bop::kSceneKeypointsFile), coco_keypoints_file(plan, keypoints)}};
 }
 
 std::vector<Json> bop_list_elements(const SetPlan& plan, const Json& truth) {
@@ -312,6 +331,7 @@ SetFormat bop_format() {
           .image_files = bop_image_files,
           .image_paths = bop_image_paths,
           .image_problems = bop_image_problems,
+          .told_by_files = bop_told_by_files,
           .chunk_files = bop_chunk_files,
           .list_path = bop::kTargetsFile,
           .list_elements = bop_list_elements,

@@ -90,6 +90,7 @@ SetFormat speed_format() {
           .image_files = speed_image_files,
           .image_paths = speed_image_paths,
           .image_problems = speed_image_problems,
+          .told_by_files = nullptr,
           .chunk_files = speed_chunk_files,
           .list_path = kList,
           .list_elements = speed_list_elements,

@@ -99,7 +99,8 @@ void add_evaluate(CLI::App& app, const std::string& command, int& exit_code) {
       ->required();
   sub->add_option(
          "--target", arguments->target,
-         "Name of a target or its target.toml: the mesh that the images show, its features")
+         "Name of a target or its target.toml: the mesh that the images show and its features, or "
+         "keypoints alone")
       ->required();
   CLI::Option* out =
       sub->add_option("--out", arguments->run.out, "Folder for the results")->required();

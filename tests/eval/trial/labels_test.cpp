@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -156,6 +157,25 @@ TEST_F(Labels, ALineOffTheTargetIsClutter) {
 TEST_F(Labels, APointWithoutLinesIsOfTheTargetOrClutter) {
   EXPECT_EQ(of(seen(nose_, {-10, 0})), ObservationLabel::kWrongPoint);  // aft: on the fuselage
   EXPECT_EQ(of(seen(nose_, {10, 0})), ObservationLabel::kClutter);      // ahead: sky
+}
+
+// Nobody knows then which pixels show the target, nor what contrast its edges have: an error is
+// told by its distance alone, and a line by the edge that it should lie on.
+TEST_F(Labels, OfKeypointsAloneNothingIsClutter) {
+  const Eigen::Vector2d off = 30 * (truth(corner_) - Eigen::Vector2d(255.5, 255.5)).normalized();
+  const Observation point = seen(nose_, {10, 0}), lines = corner_with_lines(off, off, off);
+  LabelLimits faint;
+  faint.least_contrast_grey = 255;
+  EXPECT_EQ(of(point), ObservationLabel::kClutter);
+  EXPECT_EQ(of(lines), ObservationLabel::kClutter);
+  EXPECT_EQ(of(seen(corner_, {0, 0}), faint), ObservationLabel::kHidden);
+  auto points = std::make_shared<Target>(*scene_.target);
+  points->mesh.triangles.clear();
+  scene_.target = points;
+  EXPECT_EQ(of(point), ObservationLabel::kWrongPoint);
+  EXPECT_EQ(of(lines), ObservationLabel::kWrongLine);
+  EXPECT_EQ(of(seen(nose_, {3, 0})), ObservationLabel::kInlier);
+  EXPECT_EQ(of(seen(corner_, {0, 0}), faint), ObservationLabel::kInlier);
 }
 
 TEST_F(Labels, AnotherBodysPixelsAreClutter) {

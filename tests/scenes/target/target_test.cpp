@@ -46,7 +46,7 @@ TEST_F(TargetFile, LoadsMeshAndFeatures) {
 
 TEST_F(TargetFile, ErrorsSayWhatIsWrong) {
   const std::string head = kHead;
-  EXPECT_THAT(target_error("name = 'x'\n"), HasSubstr("mesh.file is missing"));
+  EXPECT_THAT(target_error("name = 'x'\n[mesh]\n"), HasSubstr("mesh.file is missing"));
   EXPECT_THAT(target_error("name = 'x'\n[mesh]\nfile = 'no.glb'\n"), HasSubstr("no.glb"));
   EXPECT_THAT(
       target_error(head + "[[feature]]\nname = 'v'\nkind = 'lines'\nposition_m = [0, 0, 0]\n"),
