@@ -78,28 +78,36 @@ std::vector<double> with_failures_finite(std::vector<double> changes) {
   return changes;
 }
 
+// The changes of the new run against the base times `factor`. With no tolerance a trial that is the
+// same in both says nothing and is left out; with one it says that nothing changed.
+std::vector<double> counted_changes(const std::vector<double>& base, const std::vector<double>& now,
+                                    double factor, double rounding) {
+  std::vector<double> changes;
+  for (size_t i = 0; i < base.size(); ++i) {
+    const double before = std::isfinite(base[i]) ? factor * base[i] : base[i];
+    const double change = change_of(before, now[i]);
+    if (factor != 1 || std::abs(change) > rounding) changes.push_back(change);
+  }
+  return with_failures_finite(std::move(changes));
+}
+
 Difference middle_difference(const Measure& measure, const PairedNumber& pairs, double tolerance) {
   const std::vector<double> base = parts_of(pairs.base);
+  const std::vector<double> now = parts_of(pairs.now);
   Difference result;
   result.base = percentile(base, 0.5);
-  const double allowed = allowed_change(measure, tolerance, result.base);
   const double rounding = allowed_change(measure, 0, result.base);
-  std::vector<double> counted;
-  for (const double change : with_failures_finite(changes_of(base, parts_of(pairs.now)))) {
-    const bool is_same = std::abs(change) <= rounding;
-    result.greater += !is_same && change > 0;
-    result.less += !is_same && change < 0;
-    // With no tolerance a trial that is the same in both says nothing; with one, that nothing
-    // changed.
-    if (!is_same || tolerance > 0) counted.push_back(change);
-  }
-  const Measured middle = middle_of(counted);
-  result.now = counted.empty() ? result.base : result.base + middle.value;
+  const std::vector<double> changes = counted_changes(base, now, 1, rounding);
+  for (const double change : changes) (change > 0 ? result.greater : result.less) += 1;
+  const Measured middle = middle_of(changes);
+  result.now = changes.empty() ? result.base : result.base + middle.value;
   result.ci95 = middle.ci95;
-  set_sides(measure,
-            {p_middle_above_zero(affine(counted, 1, -allowed)),
-             p_middle_above_zero(affine(counted, -1, -allowed))},
-            allowed, result);
+  // The test and its interval say the same, so that the interval beyond the tolerance need not be
+  // asked for as well.
+  const std::vector<double> beyond = counted_changes(base, now, 1 + tolerance, rounding);
+  const std::vector<double> below = counted_changes(base, now, 1 - tolerance, rounding);
+  set_sides(measure, {p_middle_above_zero(beyond), p_middle_above_zero(affine(below, -1, 0))},
+            result);
   return result;
 }
 

@@ -22,6 +22,11 @@ void set_sides(const Measure& measure, const Sides& sides, double allowed, Diffe
   if (difference.ci95[1] < -allowed) difference.verdict = verdict_of(measure, false);
 }
 
+void set_sides(const Measure& measure, const Sides& sides, Difference& difference) {
+  difference.p = std::min(1.0, 2 * std::min(sides.greater, sides.less));
+  difference.verdict = verdict_of(measure, sides.greater < sides.less);
+}
+
 void set_p(const Measure& measure, double two_sided, double allowed, Difference& difference) {
   const double change = difference.now - difference.base;
   if (!(std::abs(change) > allowed)) return;

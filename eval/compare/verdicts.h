@@ -20,6 +20,9 @@ struct Sides {
 /// by itself: the interval must lie beyond `allowed`.
 void set_sides(const Measure& measure, const Sides& sides, double allowed, Difference& difference);
 
+/// The same of a number whose interval is that of the test itself.
+void set_sides(const Measure& measure, const Sides& sides, Difference& difference);
+
 /// The same of a number whose test knows no tolerance: the change must be beyond it.
 void set_p(const Measure& measure, double two_sided, double allowed, Difference& difference);
 
