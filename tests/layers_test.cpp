@@ -39,7 +39,7 @@ const Rooms kEvalRooms = {
     {"program",
      {"compare", "image_sets", "output", "report", "results", "run", "score", "study", "tables",
       "target", "work"}},
-    {"compare", {"output", "records", "results", "statistics", "summary"}},
+    {"compare", {"output", "records", "results", "score", "statistics", "summary"}},
     {"score", {"datasets", "metrics", "output", "records", "report", "statistics"}},
     {"image_sets", {"datasets", "output", "study", "work"}},
     {"run", {"output", "report", "results", "study", "summary", "trial", "work"}},

@@ -10,6 +10,7 @@
 #include "eval/compare/measures.h"
 #include "eval/compare/paired.h"
 #include "eval/compare/pairing.h"
+#include "eval/compare/scores.h"
 #include "eval/compare/settings.h"
 #include "eval/compare/stored.h"
 #include "eval/compare/verdicts.h"
@@ -166,6 +167,13 @@ int64_t Comparison::count(Verdict verdict) const {
 
 Comparison compare_runs(const fs::path& base_path, const fs::path& now_path, double tolerance,
                         const std::vector<std::string>& measures) {
+  const bool is_base_of_scores = is_of_scores(base_path);
+  if (is_base_of_scores != is_of_scores(now_path)) {
+    throw InputError(fmt::format("{} holds scores of estimates, {} a run; must be of one kind",
+                                 (is_base_of_scores ? base_path : now_path).string(),
+                                 (is_base_of_scores ? now_path : base_path).string()));
+  }
+  if (is_base_of_scores) return compare_scores(base_path, now_path, tolerance, measures);
   const ComparedRun base = read_compared_run(base_path);
   const ComparedRun now = read_compared_run(now_path);
   Comparison comparison;

@@ -64,8 +64,10 @@ struct Comparison {
 /// what is allowed on top: of a rate a change by that part of the trials, of anything else by that
 /// part of the base's.
 ///
-/// Throws InputError for what cannot be read, for runs of different studies, and for a measure
-/// that these have not.
+/// Scores of estimates, folders of `score` or their targets.csv, are compared by compare_scores.
+///
+/// Throws InputError for what cannot be read, for runs of different studies, a run and scores, and
+/// for a measure that these have not.
 Comparison compare_runs(const std::filesystem::path& base, const std::filesystem::path& now,
                         double tolerance, const std::vector<std::string>& measures = {});
 

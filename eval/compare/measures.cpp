@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <sstream>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "eval/compare/run_numbers.h"
+#include "eval/score/target_numbers.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -54,7 +56,8 @@ void add_named(const std::string& name, Subject subject, std::vector<Measure>& f
     known.push_back(number.name);
     for (const Measure& measure : measures_of_number(number)) {
       if (measure.name != number.name) known.push_back(measure.name);
-      const bool is_named = measure.name == name || (number.name == name && is_usual(measure));
+      const bool is_named =
+          is_called(name, measure.name) || (is_called(name, number.name) && is_usual(measure));
       const bool is_there = std::any_of(found.begin(), found.end(),
                                         [&](const Measure& m) { return m.name == measure.name; });
       is_known = is_known || is_named;
@@ -66,6 +69,33 @@ void add_named(const std::string& name, Subject subject, std::vector<Measure>& f
   throw InputError(fmt::format("--measure {}: these have no such measure{}", name,
                                close.empty() ? "; `sightline list measures` has them all"
                                              : fmt::format(" (did you mean '{}'?)", close)));
+}
+
+NumberKind kind_of(const TargetNumber& number) {
+  switch (number.kind) {
+    case TargetNumberKind::kFlag:
+      return NumberKind::kFlag;
+    case TargetNumberKind::kShare:
+      return NumberKind::kRate;
+    case TargetNumberKind::kError:
+      break;
+  }
+  return std::isfinite(number.cap) ? NumberKind::kError : NumberKind::kOpenError;
+}
+
+std::vector<TrialNumber> numbers_of_scores() {
+  std::vector<TrialNumber> numbers;
+  for (const TargetNumber& number : target_numbers()) {
+    numbers.push_back({.name = number.name,
+                       .meaning = number.meaning,
+                       .kind = kind_of(number),
+                       .cap = number.cap,
+                       .is_more_better = number.kind != TargetNumberKind::kError});
+  }
+  numbers.push_back({.name = "failure_rate",
+                     .meaning = "targets without an estimate",
+                     .kind = NumberKind::kFlag});
+  return numbers;
 }
 
 std::string section_of(std::string_view title, Subject subject) {
@@ -85,6 +115,7 @@ std::string section_of(std::string_view title, Subject subject) {
 }  // namespace
 
 std::vector<TrialNumber> trial_numbers(Subject subject) {
+  if (subject == Subject::kScores) return numbers_of_scores();
   std::vector<TrialNumber> numbers;
   for (const RunNumber& number : run_numbers()) {
     const bool is_of_poses = number.of_estimate || number.of_features;
@@ -104,7 +135,10 @@ std::vector<Measure> measures_of(Subject subject) {
 }
 
 std::vector<Measure> default_measures(Subject subject) {
-  const std::vector<std::string> names = {"geodesic_deg", "t_error_percent", "failure_rate"};
+  std::vector<std::string> names = {"geodesic_deg", "t_error_percent", "failure_rate"};
+  // Without depth there is no AR, but there are two of its parts.
+  if (subject == Subject::kScores)
+    names.insert(names.begin(), {"ar", "ar_mssd", "ar_mspd", "add_recall"});
   std::vector<Measure> measures;
   for (const std::string& name : names) add_named(name, subject, measures);
   return measures;
@@ -123,7 +157,8 @@ std::vector<Measure> find_measures(std::span<const std::string> names, Subject s
 
 std::string measures_list() {
   return section_of("measures of runs", Subject::kPoses) + "\n" +
-         section_of("measures of runs of orientation studies", Subject::kOrientations);
+         section_of("measures of runs of orientation studies", Subject::kOrientations) + "\n" +
+         section_of("measures of scores", Subject::kScores);
 }
 
 }  // namespace sightline

@@ -35,8 +35,10 @@ void add_compare(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<CompareArguments>();
   CLI::App* sub = app.add_subcommand(
       "compare", "Say of every cell whether a run is better, worse or unchanged; exit 3 if worse");
-  sub->add_option("base", arguments->base, "Folder of a run, or its summary.json")->required();
-  sub->add_option("new", arguments->now, "The same of the run to judge")->required();
+  sub->add_option("base", arguments->base,
+                  "Folder of a run or its summary.json, or of `score` or its targets.csv")
+      ->required();
+  sub->add_option("new", arguments->now, "The same of what is to be judged")->required();
   sub->add_option("--tolerance", arguments->tolerance,
                   "Allow errors to change by this part (0.05: 5 %), rates by this part of the "
                   "trials")
