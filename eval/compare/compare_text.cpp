@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/compare/compare_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <vector>
@@ -45,20 +46,48 @@ std::string p_text(double p) {
   return p < 1e-4 ? "< 0.0001" : fmt::format("{:.4f}", p);
 }
 
+// How many cells have such a verdict in a measure of that ending.
+int64_t cells_with(const Comparison& comparison, Verdict verdict, std::string_view ending) {
+  return std::count_if(
+      comparison.cells.begin(), comparison.cells.end(), [&](const CellDifference& cell) {
+        return std::any_of(cell.differences.begin(), cell.differences.end(),
+                           [&](const Difference& d) {
+                             return d.verdict == verdict && d.quantity.ends_with(ending);
+                           });
+      });
+}
+
+// "3 worse (2 by a mean, 3 by a middle)": which of the two changed.
+std::string verdict_count(const Comparison& comparison, Verdict verdict) {
+  const std::string count = fmt::format("{} {}", comparison.count(verdict), to_string(verdict));
+  const int64_t means = cells_with(comparison, verdict, ".mean");
+  const int64_t middles = cells_with(comparison, verdict, ".middle");
+  if (means + middles == 0) return count;
+  return fmt::format("{} ({} by a mean, {} by a middle)", count, means, middles);
+}
+
 std::string counts_text(const Comparison& comparison) {
-  std::string text =
-      fmt::format("{}: {} worse, {} better, {} unchanged",
-                  counted(static_cast<int64_t>(comparison.cells.size()), "cell"),
-                  comparison.count(Verdict::kWorse), comparison.count(Verdict::kBetter),
-                  comparison.count(Verdict::kUnchanged));
+  std::string text = fmt::format(
+      "{}: {}, {}, {} unchanged", counted(static_cast<int64_t>(comparison.cells.size()), "cell"),
+      verdict_count(comparison, Verdict::kWorse), verdict_count(comparison, Verdict::kBetter),
+      comparison.count(Verdict::kUnchanged));
   const int64_t missing = comparison.count(Verdict::kMissing);
   return missing > 0 ? fmt::format("{}, {} missing", text, missing) : text;
+}
+
+// "; greater in 957 of 1000 trials" of a middle.
+std::string side_text(const Difference& d) {
+  if (d.greater + d.less == 0) return "";
+  const bool is_greater = d.greater >= d.less;
+  return fmt::format(", {} in {} of {} trials", is_greater ? "greater" : "less",
+                     is_greater ? d.greater : d.less, d.trials);
 }
 
 std::string rule_text(const Comparison& comparison) {
   return fmt::format(
       "Worse or better: the interval of the change lies beyond the tolerance of {:g} %, and p < {} "
-      "adjusted by Holm over all numbers compared.",
+      "adjusted by Holm over all numbers compared. A middle is that of the trials' changes "
+      "(Wilcoxon's signed ranks), which a few outliers do not move as they move a mean.",
       100 * comparison.tolerance, kVerdictLevel);
 }
 
@@ -69,9 +98,10 @@ std::string changes_text(const CellDifference& cell) {
   std::string text;
   for (const Difference& d : cell.differences) {
     if (d.verdict == Verdict::kUnchanged) continue;
-    text += fmt::format("{}{} is {}: {} to {} ({}), difference {}, p {}", text.empty() ? "" : "; ",
-                        d.quantity, to_string(d.verdict), short_number(d.base), short_number(d.now),
-                        change_text(d), change_interval(d.ci95), p_text(d.p));
+    text +=
+        fmt::format("{}{} is {}: {} to {} ({}), difference {}, p {}{}", text.empty() ? "" : "; ",
+                    d.quantity, to_string(d.verdict), short_number(d.base), short_number(d.now),
+                    change_text(d), change_interval(d.ci95), p_text(d.p), side_text(d));
   }
   return text;
 }
@@ -93,7 +123,9 @@ std::string to_text(const Comparison& comparison) {
         ++left_out;
         continue;
       }
-      labels.push_back(shortened(fmt::format("{} {}", name, d.quantity), kLongestLabel));
+      // The cell's name may be long; which measure it is must be seen.
+      labels.push_back(
+          fmt::format("{} {}", shortened(name, kLongestLabel - d.quantity.size() - 1), d.quantity));
       verdicts.cells.emplace_back(to_string(d.verdict));
       bases.cells.push_back(short_number(d.base));
       news.cells.push_back(short_number(d.now));
@@ -103,7 +135,7 @@ std::string to_text(const Comparison& comparison) {
     }
   }
   std::string text = wrapped(fmt::format("{}, {}", comparison.study, comparison.how)) +
-                     wrapped(counts_text(comparison));
+                     wrapped(comparison.settings) + wrapped(counts_text(comparison));
   if (labels.empty()) return text;
   text += text_block("What changed", labels,
                      {{"", {verdicts, bases, news, changes, intervals, p_values}}});
@@ -112,9 +144,10 @@ std::string to_text(const Comparison& comparison) {
 }
 
 std::string to_markdown(const Comparison& comparison) {
-  std::string text = fmt::format("## {}: {}\n\n{}; {}. {}\n\n", comparison.study,
-                                 comparison.has_regression() ? "worse" : "no regression",
-                                 counts_text(comparison), comparison.how, rule_text(comparison));
+  std::string text =
+      fmt::format("## {}: {}\n\n{}; {}; {}. {}\n\n", comparison.study,
+                  comparison.has_regression() ? "worse" : "no regression", counts_text(comparison),
+                  comparison.how, comparison.settings, rule_text(comparison));
   text +=
       "| condition | solver | number | verdict | base | new | change | 95 % of new - base | p |\n";
   text += "|---|---|---|---|--:|--:|--:|--:|--:|\n";

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
-#include <string_view>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -16,36 +16,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What a solver or method made of a trial.
-struct TrialErrors {
-  std::string_view solver;
-  bool is_failed = false;
-  std::array<double, kComparedErrors.size()> errors{};  // capped
-};
+using Numbers = std::vector<const RunNumber*>;
 
-std::vector<TrialErrors> errors_of(const TrialRecord& trial) {
-  std::vector<TrialErrors> all;
-  const auto capped = [](double error, double cap) { return error < cap ? error : cap; };
-  for (const EstimateRecord& estimate : trial.estimates()) {
-    TrialErrors& of_solver = all.emplace_back();
-    of_solver.solver = estimate.solver;
-    of_solver.is_failed = !estimate.is_ok();
-    for (size_t i = 0; i < kComparedErrors.size(); ++i) {
-      const double error = estimate.*kComparedErrors[i].of_estimate;
-      of_solver.errors[i] =
-          of_solver.is_failed ? kComparedErrors[i].cap : capped(error, kComparedErrors[i].cap);
-    }
+// The numbers that the measures are made of, each once.
+Numbers needed_numbers(std::span<const Measure> measures) {
+  Numbers needed;
+  for (const RunNumber& number : run_numbers()) {
+    const bool is_needed = std::any_of(measures.begin(), measures.end(), [&](const Measure& m) {
+      return m.number.name == number.name;
+    });
+    if (is_needed) needed.push_back(&number);
   }
-  for (const OrientationRecord& orientation : trial.orientations()) {
-    TrialErrors& of_method = all.emplace_back();
-    of_method.solver = orientation.method;
-    of_method.is_failed = orientation.failures > 0;
-    for (size_t i = 0; i < kComparedErrors.size(); ++i) {
-      of_method.errors[i] =
-          capped(orientation.*kComparedErrors[i].of_orientation, kComparedErrors[i].cap);
-    }
-  }
-  return all;
+  return needed;
 }
 
 // The same draw: other machines may differ in the last digits.
@@ -58,23 +40,62 @@ bool has_same_truth(const TrialRecord& a, const TrialRecord& b) {
              kTolerance * (1 + pose_a.translation.norm());
 }
 
-void add_pair(const TrialRecord& base, const TrialRecord& now, const std::string& condition,
-              std::map<CellKey, PairedCell>& cells) {
-  const std::vector<TrialErrors> all_now = errors_of(now);
-  for (const TrialErrors& before : errors_of(base)) {
-    const auto after = std::find_if(all_now.begin(), all_now.end(), [&](const TrialErrors& e) {
-      return e.solver == before.solver;
-    });
-    if (after == all_now.end()) continue;
-    PairedCell& cell = cells[{condition, std::string(before.solver)}];
-    for (size_t i = 0; i < kComparedErrors.size(); ++i) {
-      cell.base[i].push_back(before.errors[i]);
-      cell.differences[i].push_back(after->errors[i] - before.errors[i]);
+void add_shares(const RunNumber& number, const Share& base, const Share& now, PairedCell& cell) {
+  PairedNumber& pairs = cell[number.name];
+  pairs.base.push_back(base);
+  pairs.now.push_back(now);
+}
+
+// Of what both have made of the trial: records of solvers or of methods.
+template <typename Record>
+const Record* find_record(std::span<const Record> records, const std::string Record::*name,
+                          const std::string& wanted) {
+  const auto found = std::find_if(records.begin(), records.end(),
+                                  [&](const Record& record) { return record.*name == wanted; });
+  return found == records.end() ? nullptr : &*found;
+}
+
+void add_estimates(const TrialRecord& base, const TrialRecord& now, const Numbers& numbers,
+                   const std::string& condition, std::map<CellKey, PairedCell>& cells) {
+  for (const EstimateRecord& before : base.estimates()) {
+    const auto* after = find_record(now.estimates(), &EstimateRecord::solver, before.solver);
+    if (after == nullptr) continue;
+    PairedCell& cell = cells[{condition, before.solver}];
+    for (const RunNumber* number : numbers) {
+      if (!number->of_estimate) continue;
+      add_shares(*number, number->of_estimate(base, before), number->of_estimate(now, *after),
+                 cell);
     }
-    cell.failures.push_back(int{after->is_failed} - int{before.is_failed});
-    cell.base_failures += before.is_failed;
-    cell.now_failures += after->is_failed;
   }
+}
+
+void add_orientations(const TrialRecord& base, const TrialRecord& now, const Numbers& numbers,
+                      const std::string& condition, std::map<CellKey, PairedCell>& cells) {
+  for (const OrientationRecord& before : base.orientations()) {
+    const auto* after = find_record(now.orientations(), &OrientationRecord::method, before.method);
+    if (after == nullptr) continue;
+    PairedCell& cell = cells[{condition, before.method}];
+    for (const RunNumber* number : numbers) {
+      if (!number->of_orientation) continue;
+      add_shares(*number, number->of_orientation(before), number->of_orientation(*after), cell);
+    }
+  }
+}
+
+void add_features(const TrialRecord& base, const TrialRecord& now, const Numbers& numbers,
+                  const std::string& condition, std::map<CellKey, PairedCell>& cells) {
+  for (const RunNumber* number : numbers) {
+    if (!number->of_features) continue;
+    add_shares(*number, number->of_features(base), number->of_features(now),
+               cells[{condition, kFeatures}]);
+  }
+}
+
+void add_pair(const TrialRecord& base, const TrialRecord& now, const Numbers& numbers,
+              const std::string& condition, std::map<CellKey, PairedCell>& cells) {
+  add_estimates(base, now, numbers, condition, cells);
+  add_orientations(base, now, numbers, condition, cells);
+  add_features(base, now, numbers, condition, cells);
 }
 
 std::string condition_of(const ComparedRun& run, const TrialRecord& trial) {
@@ -82,7 +103,25 @@ std::string condition_of(const ComparedRun& run, const TrialRecord& trial) {
   return index < run.conditions.size() ? run.conditions[index] : "";
 }
 
+// The store's own is surely of its trials; a summary.json alone may have the file beside it.
+std::optional<std::string> study_as_run(const ComparedRun& run, const fs::path& file) {
+  if (run.store) {
+    const std::map<std::string, std::string> meta = Store::open(*run.store).meta();
+    const auto text = meta.find("study_toml");
+    if (text != meta.end()) return text->second;
+  }
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) return std::nullopt;
+  return std::string{std::istreambuf_iterator<char>(stream), {}};
+}
+
 }  // namespace
+
+Subject ComparedRun::subject() const {
+  const Json& cells = summary.at("cells");
+  const bool is_orientation = !cells.empty() && cells.front().contains("copies");
+  return is_orientation ? Subject::kOrientations : Subject::kPoses;
+}
 
 std::string condition_name(const Json& condition) {
   std::string name;
@@ -119,10 +158,13 @@ ComparedRun read_compared_run(const fs::path& path) {
   }
   const fs::path store = path / "results.sqlite";
   if (is_folder && fs::is_regular_file(store)) run.store = store;
+  run.toml = study_as_run(run, file.parent_path() / "study.toml");
   return run;
 }
 
-Pairs pair_trials(const ComparedRun& base, const ComparedRun& now) {
+Pairs pair_trials(const ComparedRun& base, const ComparedRun& now,
+                  std::span<const Measure> measures) {
+  const Numbers numbers = needed_numbers(measures);
   Pairs pairs;
   for (const ComparedRun* run : {&base, &now}) {
     if (run->store) continue;
@@ -148,7 +190,7 @@ Pairs pair_trials(const ComparedRun& base, const ComparedRun& now) {
     if (condition != condition_of(now, *match) || !has_same_truth(trial, *match)) {
       return {{}, 0, 0, fmt::format("trial {} is another draw in each", trial.trial)};
     }
-    add_pair(trial, *match, condition, pairs.cells);
+    add_pair(trial, *match, numbers, condition, pairs.cells);
     ++pairs.count;
   }
   if (pairs.count == 0) pairs.why_not = "they have no trial in common";

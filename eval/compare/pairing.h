@@ -2,30 +2,33 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "eval/compare/measures.h"
+#include "eval/compare/run_numbers.h"
 #include "eval/output/json.h"
-#include "eval/records/records.h"
-#include "eval/summary/quantities.h"
 
 namespace sightline {
 
-/// The mean errors that are compared.
-inline const std::array kComparedErrors = {quantity("geodesic_deg"), quantity("t_error_percent")};
+/// In place of a solver: what the images of a condition gave, whatever the solver.
+inline constexpr const char* kFeatures = "features";
 
 /// One of the two runs that are compared.
 struct ComparedRun {
   std::filesystem::path path;
   Json summary;                                ///< its summary.json
   std::optional<std::filesystem::path> store;  ///< its trials; none of a summary.json alone
+  std::optional<std::string> toml;             ///< its study as run, where that is known
   std::vector<std::string> conditions;         ///< their names, by index
+
+  Subject subject() const;
 };
 
 /// Reads a run's folder or a summary.json alone. Throws InputError for what is neither.
@@ -37,14 +40,14 @@ std::string condition_name(const Json& condition);
 /// A condition's name and a solver.
 using CellKey = std::pair<std::string, std::string>;
 
-/// What the trials of both runs say of one cell, trial by trial.
-struct PairedCell {
-  std::array<std::vector<double>, kComparedErrors.size()> base;         ///< errors, capped
-  std::array<std::vector<double>, kComparedErrors.size()> differences;  ///< new minus base
-  std::vector<double> failures;                                         ///< -1, 0 or 1
-  int64_t base_failures = 0;
-  int64_t now_failures = 0;
+/// What each pair of trials of a cell has of one number.
+struct PairedNumber {
+  std::vector<Share> base;
+  std::vector<Share> now;
 };
+
+/// What the trials of both runs say of one cell, by the number's name.
+using PairedCell = std::map<std::string, PairedNumber>;
 
 struct Pairs {
   std::map<CellKey, PairedCell> cells;
@@ -54,7 +57,8 @@ struct Pairs {
 };
 
 /// Pairs the trials of the same number, where both runs have their trials and these are the same
-/// draws (condition and true pose).
-Pairs pair_trials(const ComparedRun& base, const ComparedRun& now);
+/// draws (condition and true pose), and takes from them what the measures need.
+Pairs pair_trials(const ComparedRun& base, const ComparedRun& now,
+                  std::span<const Measure> measures);
 
 }  // namespace sightline

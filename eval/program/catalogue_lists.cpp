@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/compare/measures.h"
 #include "eval/results/columns_page.h"
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
@@ -89,8 +90,10 @@ std::string catalogue_lists(const std::string& what) {
                                    {"solvers", solvers},
                                    {"methods", methods},
                                    {"studies", studies}};
-  if (what == "columns") return columns_page();  // too long to stand among the others
-  std::vector<std::string> known = {"columns"}, all;
+  // Too long to stand among the others:
+  if (what == "columns") return columns_page();
+  if (what == "measures") return measures_list();
+  std::vector<std::string> known = {"columns", "measures"}, all;
   for (const auto& [name, list] : lists) {
     if (what == name) return list();
     known.push_back(name);

@@ -8,8 +8,8 @@ namespace sightline {
 
 /// What `sightline list` prints, made from the catalogues and the assets: `what` is targets,
 /// extractors, solvers, methods (of absolute orientation), studies, or empty for all of these;
-/// columns (of results, as Markdown). Throws InputError for any other word. What is in a file's
-/// keys is in key_lists.h.
+/// columns (of results, as Markdown), measures (that `compare` takes). Throws InputError for any
+/// other word. What is in a file's keys is in key_lists.h.
 std::string catalogue_lists(const std::string& what);
 
 }  // namespace sightline

@@ -10,11 +10,13 @@ void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_study(app, command, exit_code);
   add_render(app, exit_code);
   add_evaluate(app, command, exit_code);
-  add_score(app);
+  add_score(app, exit_code);
   add_merge(app, command, exit_code);
   add_report(app);
   add_export(app);
   add_compare(app, exit_code);
+  add_solve(app, exit_code);
+  add_align(app, exit_code);
   add_list(app);
   add_target(app);
   add_doctor(app);

@@ -45,8 +45,9 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", SIGHTLINE_VERSION);
   app.require_subcommand(1);
   app.footer(
-      "Exit codes: 0 good, 1 input error, 2 usage, 3 `compare` found a regression, 4 some trials\n"
-      "could not be run, 130 interrupted.\n"
+      "Exit codes: 0 good, 1 input error, 2 usage, 3 `compare` found a regression or `score` what "
+      "is\n"
+      "not as required, 4 some trials could not be run, 130 interrupted.\n"
       "Begin with:  sightline list    sightline study boeing-table1");
   int exit_code = 0;
   sightline::add_commands(app, command_line(argc, argv), exit_code);

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kDegreesARad = 180 / std::numbers::pi;
 constexpr double kGoodProjectionPx = 5;
+constexpr bool kFromPosesAlone = false;  // needs no model
 
 const BopPair* chosen_pair(const BopTarget& target) {
   return target.chosen ? &target.pairs[*target.chosen] : nullptr;
@@ -43,26 +44,32 @@ constexpr std::array kPairMeasures = {
     PairMeasure{"theta_error_deg", &BopPair::theta_error_deg,
                 [](const PairPoses& p) {
                   return kDegreesARad * attitude_error_rad(p.estimated.rotation, p.alike.rotation);
-                }},
+                },
+                kFromPosesAlone},
     PairMeasure{"t_error_percent", &BopPair::t_error_percent,
                 [](const PairPoses& p) {
                   return 100 *
                          translation_error_fraction(p.estimated.translation, p.alike.translation);
-                }},
+                },
+                kFromPosesAlone},
     PairMeasure{"geodesic_deg", &BopPair::geodesic_deg,
                 [](const PairPoses& p) {
                   return kDegreesARad * geodesic_angle_rad(p.estimated.rotation, p.alike.rotation);
-                }},
+                },
+                kFromPosesAlone},
     PairMeasure{
         "projection_px", &BopPair::projection_px,
         [](const PairPoses& p) { return projection_px(p.points_mm, p.k, p.estimated, p.alike); }},
     PairMeasure{"speed_score", &BopPair::speed_score,
-                [](const PairPoses& p) { return speed_score(p.estimated, p.alike); }},
+                [](const PairPoses& p) { return speed_score(p.estimated, p.alike); },
+                kFromPosesAlone},
     PairMeasure{"speed_plus_score", &BopPair::speed_plus_score,
-                [](const PairPoses& p) { return speed_plus_score(p.estimated, p.alike); }},
+                [](const PairPoses& p) { return speed_plus_score(p.estimated, p.alike); },
+                kFromPosesAlone},
     PairMeasure{
         "is_within_5deg_5cm", &BopPair::within_5deg_5cm,
-        [](const PairPoses& p) { return is_within_5deg_5cm(p.estimated, p.alike) ? 1.0 : 0.0; }},
+        [](const PairPoses& p) { return is_within_5deg_5cm(p.estimated, p.alike) ? 1.0 : 0.0; },
+        kFromPosesAlone},
 };
 
 constexpr std::array<SummaryMeasure, 9> kSummaryMeasures = {
@@ -79,7 +86,7 @@ constexpr std::array<SummaryMeasure, 9> kSummaryMeasures = {
     RecallMeasure{"projection_5px_recall", "2D proj. < 5 px", "2D projection",
                   &BopSummary::projection_5px, has_good_projection},
     RecallMeasure{"within_5deg_5cm", "5 deg 5 cm", "5° 5 cm", &BopSummary::within_5deg_5cm,
-                  has_5deg_5cm},
+                  has_5deg_5cm, kFromPosesAlone},
     ErrorMeasure{"speed_score", "SPEED", "SPEED", &BopSummary::speed_score, &BopPair::speed_score,
                  kSpeedScoreCap, "speed", Told::kMean},
     ErrorMeasure{"speed_plus_score", "SPEED+", "SPEED+", &BopSummary::speed_plus_score,

@@ -31,6 +31,7 @@ struct PairMeasure {
   std::string_view column;
   double BopPair::*number;
   double (*of)(const PairPoses& poses);
+  bool needs_model = true;  ///< without the object's vertices it is NaN
 };
 
 /// The share of targets that an estimate is good for.
@@ -40,6 +41,7 @@ struct RecallMeasure {
   std::string_view page_label;
   BopRate BopSummary::*summary;
   bool (*is_good)(const BopTarget& target);
+  bool needs_model = true;
 };
 
 enum class Told { kMedian, kMean };

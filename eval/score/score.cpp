@@ -132,17 +132,20 @@ class Group {
                    [&](size_t column, size_t) { targets[column].is_add_good = true; });
     for_each_match([](const BopPair& p) { return p.adi_mm; }, add_limit_mm,
                    [&](size_t column, size_t) { targets[column].is_adi_good = true; });
-    for_each_match([](const BopPair& p) { return p.mssd_mm; },
+    for_each_match([this](const BopPair& p) { return has_model() ? p.mssd_mm : p.t_error_percent; },
                    std::numeric_limits<double>::infinity(),
                    [&](size_t column, size_t row) { targets[column].chosen = row; });
     return targets;
   }
 
  private:
+  bool has_model() const { return model_.points_mm.cols() > 0; }
+
   BopPair pair_of(size_t e, size_t g) const {
     const Pose& estimated = estimates_[e].cam_from_model;
     const Pose& truth = image_.instances[g].cam_from_model;
-    const Pose alike = nearest_alike(model_.points_mm, estimated, truth, model_.symmetries);
+    const Pose alike =
+        has_model() ? nearest_alike(model_.points_mm, estimated, truth, model_.symmetries) : truth;
     const PairPoses poses{.points_mm = model_.points_mm,
                           .k = image_.k,
                           .symmetries = model_.symmetries,
@@ -152,7 +155,10 @@ class Group {
     BopPair pair;
     pair.estimate = e;
     pair.instance = g;
-    for (const PairMeasure& measure : pair_measures()) pair.*measure.number = measure.of(poses);
+    for (const PairMeasure& measure : pair_measures()) {
+      const bool is_known = has_model() || !measure.needs_model;
+      pair.*measure.number = is_known ? measure.of(poses) : kNoNumber;
+    }
     return pair;
   }
 
@@ -183,7 +189,7 @@ class Group {
   std::vector<BopPair> pairs_;     // row by row
 };
 
-double share(const BopPasses& passes) {
+double share_of(const BopPasses& passes) {
   return static_cast<double>(std::count(passes.begin(), passes.end(), true)) / kBopThresholds;
 }
 
@@ -217,32 +223,40 @@ ErrorSummary summary_of(std::span<const BopTarget* const> targets, double BopPai
   return summarise(errors, cap, kSeed, name);
 }
 
-BopSummary summary_of(std::span<const BopTarget* const> targets, bool has_vsd) {
-  const auto mssd = [](const BopTarget& t) { return share(t.mssd); };
-  const auto mspd = [](const BopTarget& t) { return share(t.mspd); };
-  const auto vsd = [](const BopTarget& t) {
-    double sum = 0;
-    for (const BopPasses& passes : t.vsd) sum += share(passes);
-    return sum / kBopThresholds;
-  };
-  BopSummary s;
-  s.targets = static_cast<int64_t>(targets.size());
-  s.estimated = std::count_if(targets.begin(), targets.end(),
-                              [](const BopTarget* t) { return t->chosen.has_value(); });
-  s.ar_mssd = mean_over(targets, mssd, "ar_mssd");
-  s.ar_mspd = mean_over(targets, mspd, "ar_mspd");
+// Of what needs the models' vertices.
+void add_recalls(std::span<const BopTarget* const> targets, bool has_vsd, BopSummary& s) {
+  s.ar_mssd = mean_over(
+      targets, [](const BopTarget& t) { return recalls_of(t).mssd; }, "ar_mssd");
+  s.ar_mspd = mean_over(
+      targets, [](const BopTarget& t) { return recalls_of(t).mspd; }, "ar_mspd");
   if (has_vsd) {
-    const auto all = [&](const BopTarget& t) { return (mssd(t) + mspd(t) + vsd(t)) / 3; };
-    s.ar_vsd = mean_over(targets, vsd, "ar_vsd");
-    s.ar = mean_over(targets, all, "ar");
+    s.ar_vsd = mean_over(
+        targets, [](const BopTarget& t) { return recalls_of(t).vsd; }, "ar_vsd");
+    s.ar = mean_over(
+        targets, [](const BopTarget& t) { return recalls_of(t).mean(); }, "ar");
   }
   for (int i = 0; i < kBopThresholds; ++i) {
     s.mssd_recalls[i] = rate_over(targets, [i](const BopTarget& t) { return t.mssd[i]; }).value;
     s.mspd_recalls[i] = rate_over(targets, [i](const BopTarget& t) { return t.mspd[i]; }).value;
   }
+}
+
+BopSummary summary_of(std::span<const BopTarget* const> targets, const BopScores& scores) {
+  BopSummary s;
+  s.targets = static_cast<int64_t>(targets.size());
+  s.estimated = std::count_if(targets.begin(), targets.end(),
+                              [](const BopTarget* t) { return t->chosen.has_value(); });
+  if (scores.has_models) {
+    add_recalls(targets, scores.has_vsd, s);
+  } else {
+    s.mssd_recalls.fill(kNoNumber);
+    s.mspd_recalls.fill(kNoNumber);
+  }
   for (const SummaryMeasure& measure : summary_measures()) {
     if (const auto* recall = std::get_if<RecallMeasure>(&measure)) {
-      s.*recall->summary = rate_over(targets, recall->is_good);
+      if (scores.has_models || !recall->needs_model) {
+        s.*recall->summary = rate_over(targets, recall->is_good);
+      }
     } else {
       const auto& error = std::get<ErrorMeasure>(measure);
       s.*error.summary = summary_of(targets, error.error, error.cap, error.stream);
@@ -252,6 +266,13 @@ BopSummary summary_of(std::span<const BopTarget* const> targets, bool has_vsd) {
 }
 
 }  // namespace
+
+TargetRecalls recalls_of(const BopTarget& target) {
+  TargetRecalls recalls{share_of(target.mssd), share_of(target.mspd), 0};
+  for (const BopPasses& passes : target.vsd) recalls.vsd += share_of(passes);
+  recalls.vsd /= kBopThresholds;
+  return recalls;
+}
 
 BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> estimates,
                     double vsd_delta_mm, const std::function<void()>& tick) {
@@ -263,6 +284,9 @@ BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> esti
   BopScores scores;
   scores.has_vsd = std::none_of(dataset.images.begin(), dataset.images.end(),
                                 [](const BopImage& image) { return image.depth_file.empty(); });
+  scores.has_models =
+      std::none_of(dataset.models.begin(), dataset.models.end(),
+                   [](const auto& entry) { return entry.second.points_mm.cols() == 0; });
   scores.ignored_estimates = estimates.size();
   for (size_t i = 0; i < dataset.images.size(); ++i) {
     const BopImage& image = dataset.images[i];
@@ -288,7 +312,7 @@ BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> esti
 BopSummary summarise(const BopScores& scores) {
   std::vector<const BopTarget*> targets;
   for (const BopTarget& target : scores.targets) targets.push_back(&target);
-  return summary_of(targets, scores.has_vsd);
+  return summary_of(targets, scores);
 }
 
 std::map<int, BopSummary> summarise_by_object(const BopScores& scores) {
@@ -296,7 +320,7 @@ std::map<int, BopSummary> summarise_by_object(const BopScores& scores) {
   for (const BopTarget& target : scores.targets) by_object[target.obj_id].push_back(&target);
   std::map<int, BopSummary> summaries;
   for (const auto& [obj_id, targets] : by_object) {
-    summaries[obj_id] = summary_of(targets, scores.has_vsd);
+    summaries[obj_id] = summary_of(targets, scores);
   }
   return summaries;
 }

@@ -68,14 +68,26 @@ struct BopScores {
   std::vector<BopTarget> targets;
   size_t ignored_estimates = 0;  ///< of what is not asked for, or beyond the number of instances
   bool has_vsd = true;           ///< every image with a target has depth
+  bool has_models = true;        ///< every object has vertices
 };
+
+/// Of one target: the share of the thresholds that it passes, of VSD the mean over tau.
+struct TargetRecalls {
+  double mssd = 0;
+  double mspd = 0;
+  double vsd = 0;
+  double mean() const { return (mssd + mspd + vsd) / 3; }
+};
+
+TargetRecalls recalls_of(const BopTarget& target);
 
 /// Scores estimates as the BOP challenge of 2019 and later does (task: localisation of a known
 /// number of instances): of every object in an image count as many estimates as instances are asked
 /// for, those of the highest scores, and as truth as many instances, the most visible. For every
 /// error and threshold the estimates, best score first, each take the free instance with the least
 /// error below the threshold. Our own errors are of the same without a threshold, by MSSD. `tick`
-/// is called for every image.
+/// is called for every image. Of an object without vertices there are the errors of the pose alone,
+/// by T_error.
 /// VSD deviates where an estimate has vertices behind the camera: it then sees nothing.
 BopScores score_bop(
     const BopDataset& dataset, std::span<const BopEstimate> estimates, double vsd_delta_mm,
@@ -92,7 +104,7 @@ struct BopRate {
 };
 
 /// Average recalls of some targets, and the rates and errors of measures.cpp; a target without an
-/// estimate is missed. What needs VSD is NaN without depth.
+/// estimate is missed. What needs VSD is NaN without depth, what needs vertices without a model.
 struct BopSummary {
   int64_t targets = 0;
   int64_t estimated = 0;  ///< targets that have an estimate

@@ -37,17 +37,21 @@ struct PairError {
   double (*of)(const BopPair& pair, const BopModel& model);
 };
 
-std::vector<PairError> pair_errors() {
-  return {{"theta", "θ error, °", kAngleCapDeg,
-           [](const BopPair& p, const BopModel&) { return p.theta_error_deg; }},
-          {"t", "T error, %", kTranslationCapPercent,
-           [](const BopPair& p, const BopModel&) { return p.t_error_percent; }},
-          {"geodesic", "Geodesic error, °", kAngleCapDeg,
-           [](const BopPair& p, const BopModel&) { return p.geodesic_deg; }},
-          {"mssd", "MSSD, % of the diameter", 50,
-           [](const BopPair& p, const BopModel& m) { return 100 * p.mssd_mm / m.diameter_mm; }},
-          {"mspd", "MSPD, px of the image", 50,
-           [](const BopPair& p, const BopModel&) { return p.mspd_px; }}};
+std::vector<PairError> pair_errors(bool has_models) {
+  std::vector<PairError> errors = {
+      {"theta", "θ error, °", kAngleCapDeg,
+       [](const BopPair& p, const BopModel&) { return p.theta_error_deg; }},
+      {"t", "T error, %", kTranslationCapPercent,
+       [](const BopPair& p, const BopModel&) { return p.t_error_percent; }},
+      {"geodesic", "Geodesic error, °", kAngleCapDeg,
+       [](const BopPair& p, const BopModel&) { return p.geodesic_deg; }}};
+  if (!has_models) return errors;
+  errors.push_back({"mssd", "MSSD, % of the diameter", 50, [](const BopPair& p, const BopModel& m) {
+                      return 100 * p.mssd_mm / m.diameter_mm;
+                    }});
+  errors.push_back({"mspd", "MSPD, px of the image", 50,
+                    [](const BopPair& p, const BopModel&) { return p.mspd_px; }});
+  return errors;
 }
 
 const BopPair* chosen_of(const BopTarget& target) {
@@ -108,6 +112,7 @@ Chart recall_chart(const ScoredResults& input, const std::string& id, const std:
 }
 
 std::vector<Chart> recall_charts(const ScoredResults& input) {
+  if (!input.scores.has_models) return {};
   const auto percent = [](int i) { return 100 * bop_fraction(i); };
   return {
       recall_chart(input, "mssd", "MSSD", "% of the diameter", &BopSummary::mssd_recalls, percent),
@@ -136,7 +141,7 @@ std::vector<ErrorSample> samples_of(const ScoredResults& input, const PairError&
 std::vector<Chart> error_charts(const ScoredResults& input, const std::string& group,
                                 DistributionChart chart_of) {
   std::vector<Chart> charts;
-  for (const PairError& error : pair_errors()) {
+  for (const PairError& error : pair_errors(input.scores.has_models)) {
     Chart chart = chart_of(error.label, error.cap, samples_of(input, error));
     chart.group = group;
     chart.id = fmt::format("{}-{}", group, error.id);
@@ -163,8 +168,12 @@ mustache::object named(std::string name, mustache::object cell, const std::strin
   return cell;
 }
 
-std::string lead(const BopSummary& all) {
+std::string lead(const BopSummary& all, bool has_models) {
   if (all.targets == 0) return "The data set asks for no instance.";
+  if (!has_models) {
+    return fmt::format("Mean SPEED score: {} {}. Without a model there are errors of poses alone.",
+                       fixed(all.speed_score.mean, 4), interval(all.speed_score.mean_ci95, 4));
+  }
   const bool has_vsd = all.ar.value == all.ar.value;
   const BopRate& rate = has_vsd ? all.ar : all.ar_mssd;
   return fmt::format("{}: {} {}.{}", has_vsd ? "Average recall" : "Average recall of MSSD",
@@ -194,7 +203,7 @@ std::string answer_html(const ScoredResults& input) {
            << named("median geodesic error", median_cell(all.geodesic_deg), "°");
   return mustache::mustache(page_text("score_answer.mustache"))
       .render(mustache::object{{"results", input.results},
-                               {"lead", lead(all)},
+                               {"lead", lead(all, input.scores.has_models)},
                                {"findings", findings},
                                {"counts", counts(input, all)}});
 }
@@ -279,6 +288,7 @@ std::vector<const BopTarget*> worst_of(const ScoredResults& input) {
     if (target.chosen) worst.push_back(&target);
   }
   const auto relative = [&](const BopTarget* target) {
+    if (!input.scores.has_models) return chosen_of(*target)->t_error_percent;
     return chosen_of(*target)->mssd_mm / input.dataset.models.at(target->obj_id).diameter_mm;
   };
   std::stable_sort(worst.begin(), worst.end(), [&](const BopTarget* a, const BopTarget* b) {

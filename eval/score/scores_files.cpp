@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/score/scores_files.h"
 
+#include <cmath>
 #include <functional>
 #include <ostream>
 #include <utility>
@@ -71,7 +72,8 @@ std::vector<ErrorsColumn> errors_columns() {
       {"is_chosen", [](const ErrorsRow& row) { return fmt::format("{:d}", row.is_chosen); }}};
   for (const PairMeasure& measure : pair_measures()) {
     columns.push_back({std::string(measure.column), [&measure](const ErrorsRow& row) {
-                         return fmt::format("{}", row.pair.*measure.number);
+                         const double number = row.pair.*measure.number;
+                         return std::isnan(number) ? "" : fmt::format("{}", number);
                        }});
   }
   for (int tau = 0; tau < kBopThresholds; ++tau) {
@@ -100,13 +102,22 @@ struct SummaryRows {
   std::vector<BopSummary> summaries;
 };
 
-SummaryRows summary_rows(const BopScores& scores) {
-  SummaryRows rows{{"all"}, {summarise(scores)}};
+// `method` stands before each label; empty of a single one.
+void add_rows(const BopScores& scores, const std::string& method, SummaryRows& rows) {
+  const auto add = [&](const std::string& label, BopSummary summary) {
+    rows.labels.push_back(method.empty() ? label : fmt::format("{}, {}", method, label));
+    rows.summaries.push_back(std::move(summary));
+  };
+  add("all", summarise(scores));
   const auto by_object = summarise_by_object(scores);
-  if (by_object.size() < 2) return rows;
-  for (const auto& [obj_id, summary] : by_object) {
-    rows.labels.push_back(fmt::format("object {}", obj_id));
-    rows.summaries.push_back(summary);
+  if (by_object.size() < 2) return;
+  for (const auto& [obj_id, summary] : by_object) add(fmt::format("object {}", obj_id), summary);
+}
+
+SummaryRows summary_rows(std::span<const MethodScores> methods) {
+  SummaryRows rows;
+  for (const MethodScores& method : methods) {
+    add_rows(method.scored.scores, methods.size() > 1 ? method.name : "", rows);
   }
   return rows;
 }
@@ -176,6 +187,20 @@ std::string scores_json(const ScoredResults& scored) {
   return json.dump(2) + "\n";
 }
 
+std::string scores_json(std::span<const MethodScores> methods) {
+  const ScoredResults& first = methods.front().scored;
+  Json json = {{"version", SIGHTLINE_VERSION},
+               {"dataset", first.set},
+               {"vsd_delta_mm", first.vsd_delta_mm},
+               {"methods", Json::array()}};
+  for (const MethodScores& method : methods) {
+    Json scores = {{"name", method.name}};
+    scores.update(Json::parse(scores_json(method.scored)));
+    json["methods"].push_back(std::move(scores));
+  }
+  return json.dump(2) + "\n";
+}
+
 void write_errors_csv(const ScoredResults& scored, std::ostream& out) {
   const std::vector<ErrorsColumn> columns = errors_columns();
   out << "scene_id,im_id,obj_id,gt_id";
@@ -196,8 +221,8 @@ void write_errors_csv(const ScoredResults& scored, std::ostream& out) {
   }
 }
 
-std::string score_table(const BopScores& scores) {
-  const SummaryRows rows = summary_rows(scores);
+std::string score_table(std::span<const MethodScores> methods) {
+  const SummaryRows rows = summary_rows(methods);
   std::vector<TextGroup> medians = {count_group("targets", rows, &BopSummary::targets),
                                     count_group("estimated", rows, &BopSummary::estimated)};
   for (TextGroup& group : error_groups(rows, Told::kMedian)) medians.push_back(std::move(group));

@@ -1,13 +1,16 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What `sightline score` writes besides its page: two files and a table for the terminal.
+// What `sightline score` writes besides its page and targets.csv: two files and a table for the
+// terminal.
 #pragma once
 
 #include <iosfwd>
+#include <span>
 #include <string>
 
 #include "eval/score/score.h"
+#include "eval/score/targets_file.h"
 
 namespace sightline {
 
@@ -18,7 +21,11 @@ std::string scores_json(const ScoredResults& scored);
 /// without numbers.
 void write_errors_csv(const ScoredResults& scored, std::ostream& out);
 
-/// The summaries as a table: all targets, then each object's where there are several.
-std::string score_table(const BopScores& scores);
+/// The scores.json of several methods: that of each, with its name, in a list.
+std::string scores_json(std::span<const MethodScores> methods);
+
+/// The summaries as a table: all targets, then each object's where there are several; of several
+/// methods those of each.
+std::string score_table(std::span<const MethodScores> methods);
 
 }  // namespace sightline

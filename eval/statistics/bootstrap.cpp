@@ -108,4 +108,25 @@ Interval95 bca_mean_interval(std::span<const double> values, uint64_t seed,
           percentile_of_sorted(means, corrected_tail(1 - kTail95, bias, acceleration))};
 }
 
+Interval95 bootstrap_interval(size_t count, uint64_t seed, std::string_view stream,
+                              const ResampledNumber& number) {
+  constexpr size_t kMostDraws = 4'000'000;  // of all resamples together
+  constexpr size_t kFewestResamples = 200;
+  if (count < 2) return kNoInterval;
+  const size_t resamples = std::clamp(kMostDraws / count, kFewestResamples, size_t{kResamples});
+  RandomStream random(seed, stream, 0);
+  std::vector<uint32_t> drawn(count);
+  std::vector<double> numbers;
+  for (size_t i = 0; i < resamples; ++i) {
+    for (uint32_t& index : drawn) {
+      index = static_cast<uint32_t>((uint64_t{random.bits()} * count) >> 32);
+    }
+    const double value = number(drawn);
+    if (!std::isnan(value)) numbers.push_back(value);
+  }
+  if (numbers.empty()) return kNoInterval;
+  std::sort(numbers.begin(), numbers.end());
+  return {percentile_of_sorted(numbers, kTail95), percentile_of_sorted(numbers, 1 - kTail95)};
+}
+
 }  // namespace sightline

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string_view>
 
@@ -26,5 +27,16 @@ constexpr size_t kMostValuesToResample = 500;
 /// That analytic form of `n` values that are not all equal, from their mean and their sums of
 /// squares and cubes about it.
 Interval95 abc_mean_interval(double n, double mean, double squares, double cubes);
+
+/// A number made of things that are drawn: their indices, some of them several times.
+using ResampledNumber = std::function<double(std::span<const uint32_t> drawn)>;
+
+/// The percentile interval of any number that is made of `count` things (Efron and Tibshirani 1993,
+/// section 13.3), 95 %: for a difference of two quantiles or ratios of the same trials. 2000
+/// resamples, of more than 2000 things fewer, down to 200, as the work is then too much and the
+/// number's law is near the normal one. A resample of which there is no number is left out. NaN of
+/// fewer than two things.
+Interval95 bootstrap_interval(size_t count, uint64_t seed, std::string_view stream,
+                              const ResampledNumber& number);
 
 }  // namespace sightline

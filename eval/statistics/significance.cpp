@@ -53,6 +53,12 @@ double mcnemar_p(int64_t only_first, int64_t only_second) {
       1.0, 2 * boost::math::cdf(fair, static_cast<double>(std::min(only_first, only_second))));
 }
 
+double mcnemar_p_of_more(int64_t only_first, int64_t only_second) {
+  if (only_second == 0) return 1;
+  const boost::math::binomial fair(static_cast<double>(only_first + only_second), 0.5);
+  return boost::math::cdf(boost::math::complement(fair, static_cast<double>(only_second - 1)));
+}
+
 double fisher_p(int64_t count_a, int64_t trials_a, int64_t count_b, int64_t trials_b) {
   const int64_t counts = count_a + count_b;
   if (counts == 0 || trials_a == 0 || trials_b == 0) return 1;

@@ -20,6 +20,9 @@ double p_mean_above_zero(std::span<const double> differences);
 /// Conover 1999, section 3.5).
 double mcnemar_p(int64_t only_first, int64_t only_second);
 
+/// One side of it: how likely `only_second` is so many of both together, or more.
+double mcnemar_p_of_more(int64_t only_first, int64_t only_second);
+
 /// Fisher's exact test, two-sided, of two rates that are not paired: the tables with the same
 /// margins that are as unlikely as this one or more (Agresti 2002, section 3.5.1).
 double fisher_p(int64_t count_a, int64_t trials_a, int64_t count_b, int64_t trials_b);

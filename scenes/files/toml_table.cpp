@@ -219,6 +219,23 @@ void require_shallow_keys(std::string_view toml, const std::filesystem::path& na
   }
 }
 
+void add_values(const std::string& path, const toml::node& node,
+                std::map<std::string, std::string>& values) {
+  const std::string prefix = path.empty() ? "" : path + ".";
+  const toml::array* const array = node.as_array();
+  if (const toml::table* table = node.as_table()) {
+    for (const auto& [key, child] : *table) {
+      add_values(prefix + std::string(key.str()), child, values);
+    }
+  } else if (array != nullptr && array->is_array_of_tables()) {
+    for (size_t i = 0; i < array->size(); ++i) {
+      add_values(prefix + std::to_string(i), *array->get(i), values);
+    }
+  } else {
+    values[path] = with_shortest_numbers(to_text(node));
+  }
+}
+
 }  // namespace
 
 TomlTable TomlTable::read_file(const std::filesystem::path& file,
@@ -525,6 +542,12 @@ std::string TomlTable::to_toml() const {
   std::ostringstream out;
   out << node_->document->root << "\n";
   return with_shortest_numbers(out.str());
+}
+
+std::map<std::string, std::string> TomlTable::values() const {
+  std::map<std::string, std::string> values;
+  add_values("", *node_->table, values);
+  return values;
 }
 
 }  // namespace sightline

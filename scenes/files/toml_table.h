@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -89,6 +90,9 @@ class TomlTable {
   const std::filesystem::path& file() const;
   /// The whole file as TOML, overrides applied.
   std::string to_toml() const;
+  /// Every value of this table and of those within it, as TOML writes it, by the path of its key as
+  /// overrides have it: "a.b", "a.0.b" in an array of tables. They do not count as known.
+  std::map<std::string, std::string> values() const;
 
  private:
   struct Document;

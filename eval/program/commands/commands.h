@@ -28,7 +28,8 @@ void add_render(CLI::App& app, int& exit_code);
 /// trials could not be run.
 void add_evaluate(CLI::App& app, const std::string& command, int& exit_code);
 
-void add_score(CLI::App& app);
+/// `score`: 3 when a requirement is not met.
+void add_score(CLI::App& app, int& exit_code);
 
 /// `merge`: 4 when trials could not be run.
 void add_merge(CLI::App& app, const std::string& command, int& exit_code);
@@ -38,6 +39,10 @@ void add_export(CLI::App& app);
 
 /// `compare`: 3 when it finds a regression.
 void add_compare(CLI::App& app, int& exit_code);
+
+/// `solve` and `align`: 1 where there is no answer.
+void add_solve(CLI::App& app, int& exit_code);
+void add_align(CLI::App& app, int& exit_code);
 
 void add_list(CLI::App& app);
 void add_target(CLI::App& app);

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -23,6 +24,7 @@ struct CompareArguments {
   std::string base;
   std::string now;
   double tolerance = 0;
+  std::vector<std::string> measures;
   std::string junit;
   std::string markdown;
 };
@@ -33,19 +35,27 @@ void add_compare(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<CompareArguments>();
   CLI::App* sub = app.add_subcommand(
       "compare", "Say of every cell whether a run is better, worse or unchanged; exit 3 if worse");
-  sub->add_option("base", arguments->base, "Folder of a run, or its summary.json")->required();
-  sub->add_option("new", arguments->now, "The same of the run to judge")->required();
+  sub->add_option("base", arguments->base,
+                  "Folder of a run or its summary.json, or of `score` or its targets.csv")
+      ->required();
+  sub->add_option("new", arguments->now, "The same of what is to be judged")->required();
   sub->add_option("--tolerance", arguments->tolerance,
-                  "Allow means to change by this part (0.05: 5 %), failures by this part of the "
+                  "Allow errors to change by this part (0.05: 5 %), rates by this part of the "
                   "trials")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
+  sub->add_option("--measure", arguments->measures,
+                  "What to judge by, such as geodesic_deg.median,found_rate: `sightline list "
+                  "measures` has them all [mean and middle of geodesic_deg and t_error_percent, "
+                  "failure_rate]")
+      ->type_name("NAME,...")
+      ->allow_extra_args(false);
   sub->add_option("--junit", arguments->junit, "Also write JUnit XML, a test case a cell");
   sub->add_option("--markdown", arguments->markdown, "Also write all numbers as Markdown");
   sub->callback([arguments, &exit_code] {
     remember_interrupts();
     const Comparison comparison =
-        compare_runs(arguments->base, arguments->now, arguments->tolerance);
+        compare_runs(arguments->base, arguments->now, arguments->tolerance, arguments->measures);
     std::cout << to_text(comparison);
     if (!arguments->junit.empty()) write_file(arguments->junit, to_junit(comparison));
     if (!arguments->markdown.empty()) write_file(arguments->markdown, to_markdown(comparison));

@@ -41,8 +41,8 @@ void add_list(CLI::App& app) {
   CLI::App* sub = app.add_subcommand(
       "list", "List targets, extractors, solvers, methods and studies, or the keys of files");
   sub->add_option("what", arguments->what,
-                  "targets, extractors, solvers, methods, studies, keys or columns (of results); without: all "
-                  "but the last two");
+                  "targets, extractors, solvers, methods, studies, keys, columns (of results) or "
+                  "measures (of compare); without: all but the last three");
   sub->add_option("table", arguments->table, "Of keys: their table, for example image [all]");
   sub->add_flag("--markdown", arguments->is_markdown, "Of keys: as the page docs/keys.md");
   sub->callback([arguments] { print_list(*arguments); });

@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -13,84 +15,198 @@
 #include "eval/output/output_folder.h"
 #include "eval/program/commands/commands.h"
 #include "eval/report/gnuplot.h"
+#include "eval/score/requirements.h"
 #include "eval/score/score_report.h"
+#include "eval/score/scored_set.h"
 #include "eval/score/scores_files.h"
+#include "eval/score/targets_file.h"
 #include "eval/work/interrupt.h"
 #include "eval/work/progress.h"
+#include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kRequirementExit = 3;
+
 struct ScoreArguments {
-  std::string results;
+  std::vector<std::string> results;
   std::string dataset;
   std::string split;
   std::string out;
   double vsd_delta_mm = 15;
+  std::vector<std::string> required;
+  std::string junit;
   bool is_quiet = false;
 };
 
-void print_notes(const BopScores& scores) {
-  if (scores.ignored_estimates > 0) {
-    std::cerr << fmt::format(
-        "sightline: {} estimates are of nothing that is asked for, or more than are\n",
-        scores.ignored_estimates);
-  }
-  if (!scores.has_vsd) {
-    std::cerr << "sightline: the data set has images without depth, so there is no VSD and no AR\n";
-  }
+// One method: its name, the file as it was given, and what it says.
+struct Method {
+  std::string name;
+  std::string file;
+  std::vector<BopEstimate> estimates;
+  BopScores scores;
+};
+
+// NAME=FILE, or a file that is named by its own name.
+Method named_method(const std::string& given) {
+  const size_t sign = given.find('=');
+  const bool is_named = sign != std::string::npos && !fs::exists(given);
+  Method method;
+  method.file = is_named ? given.substr(sign + 1) : given;
+  method.name = is_named ? given.substr(0, sign) : fs::path(given).stem().string();
+  const bool is_folder_name =
+      !method.name.empty() && method.name[0] != '.' && method.name.find('/') == std::string::npos;
+  if (is_folder_name) return method;
+  throw InputError(fmt::format("'{}': the method's name must be one of a folder", given));
 }
 
-void run_score(const ScoreArguments& arguments) {
-  remember_interrupts();
-  const std::vector<BopEstimate> estimates = read_bop_results(arguments.results);
-  const BopDataset dataset = read_bop_dataset(arguments.dataset, arguments.split);
-  OutputFolder out(arguments.out);
-  BopScores scores;
-  {
-    Progress progress("score", static_cast<int64_t>(dataset.images.size()), !arguments.is_quiet);
-    scores = score_bop(dataset, estimates, arguments.vsd_delta_mm, [&] {
+std::vector<Method> read_methods(const ScoreArguments& arguments) {
+  std::vector<Method> methods;
+  for (const std::string& given : arguments.results) {
+    Method method = named_method(given);
+    for (const Method& other : methods) {
+      if (other.name != method.name) continue;
+      throw InputError(fmt::format("{} and {} are both called {}; say NAME=FILE", other.file,
+                                   method.file, method.name));
+    }
+    methods.push_back(std::move(method));
+  }
+  return methods;
+}
+
+void score_methods(const ScoreArguments& arguments, const BopDataset& dataset,
+                   std::vector<Method>& methods) {
+  Progress progress("score", static_cast<int64_t>(dataset.images.size() * methods.size()),
+                    !arguments.is_quiet);
+  for (Method& method : methods) {
+    method.scores = score_bop(dataset, method.estimates, arguments.vsd_delta_mm, [&] {
       stop_if_interrupted();
       progress.advance(1);
     });
   }
-  const ScoredResults scored{arguments.results, arguments.dataset, arguments.vsd_delta_mm,
-                             dataset,           estimates,         scores};
-  write_file(out / "scores.json", scores_json(scored));
-  write_file(out / "errors.csv", [&](std::ostream& file) { write_errors_csv(scored, file); });
-  write_file(out / "report.html", score_report(scored));
-  const std::string figures_note = write_figures(out / "figures", score_charts(scored));
+}
+
+// What one method's scores are told in; returns a note of the figures, if there is one.
+std::string write_scores(const ScoredResults& scored, const fs::path& folder) {
+  write_file(folder / "scores.json", scores_json(scored));
+  write_file(folder / "errors.csv", [&](std::ostream& file) { write_errors_csv(scored, file); });
+  write_file(folder / "report.html", score_report(scored));
+  return write_figures(folder / "figures", score_charts(scored));
+}
+
+void print_notes(const std::vector<Method>& methods) {
+  for (const Method& method : methods) {
+    if (method.scores.ignored_estimates == 0) continue;
+    std::cerr << fmt::format(
+        "sightline: {}{} estimates are of nothing that is asked for, or more than are\n",
+        methods.size() > 1 ? method.name + ": " : "", method.scores.ignored_estimates);
+  }
+  const BopScores& scores = methods.front().scores;
+  if (!scores.has_models) {
+    std::cerr << "sightline: the data set has no model, so there are errors of poses alone\n";
+  } else if (!scores.has_vsd) {
+    std::cerr << "sightline: the data set has images without depth, so there is no VSD and no AR\n";
+  }
+}
+
+// Writes the folder; a single method's files stand in it, those of several in a folder each.
+std::string write_folder(const ScoreArguments& arguments, std::span<const MethodScores> methods) {
+  OutputFolder out(arguments.out);
+  std::string note;
+  if (methods.size() == 1) {
+    note = write_scores(methods.front().scored, out.staging());
+  } else {
+    for (const MethodScores& method : methods) {
+      fs::create_directory(out / method.name);
+      note = write_scores(method.scored, out / method.name);
+    }
+    write_file(out / "scores.json", scores_json(methods));
+  }
+  write_file(out / kTargetsFile, [&](std::ostream& file) { write_targets_csv(methods, file); });
   out.commit();
-  print_notes(scores);
+  return note;
+}
+
+void print_scores(const ScoreArguments& arguments, std::span<const MethodScores> methods) {
+  std::cout << score_table(methods) << "\n";
+  for (const MethodScores& method : methods) {
+    const fs::path folder =
+        methods.size() == 1 ? fs::path(arguments.out) : fs::path(arguments.out) / method.name;
+    std::cout << fmt::format("report: {}\n", (folder / "report.html").string());
+  }
+}
+
+int run_score(const ScoreArguments& arguments) {
+  remember_interrupts();
+  std::vector<Requirement> requirements;
+  for (const std::string& text : arguments.required) {
+    requirements.push_back(parse_requirement(text));
+  }
+  if (requirements.empty() && !arguments.junit.empty()) {
+    throw InputError("--junit: has nothing to tell without --require");
+  }
+  std::vector<Method> methods = read_methods(arguments);
+  const ScoredSet set = read_scored_set(arguments.dataset, arguments.split);
+  for (Method& method : methods) method.estimates = read_estimates(method.file, set);
+  score_methods(arguments, set.dataset, methods);
+  std::vector<MethodScores> scored;
+  for (const Method& method : methods) {
+    scored.push_back({method.name,
+                      {method.file, arguments.dataset, arguments.vsd_delta_mm, set.dataset,
+                       method.estimates, method.scores}});
+  }
+  const std::vector<RequirementResult> results = check_requirements(requirements, scored);
+  const std::string figures_note = write_folder(arguments, scored);
+  if (!arguments.junit.empty()) write_file(arguments.junit, to_junit(results, arguments.dataset));
+  print_notes(methods);
   if (!figures_note.empty()) std::cerr << "sightline: " << figures_note << "\n";
-  if (arguments.is_quiet) return;
-  std::cout << score_table(scores)
-            << fmt::format("\nreport: {}\n", (fs::path(arguments.out) / "report.html").string());
+  if (!arguments.is_quiet) print_scores(arguments, scored);
+  int exit_code = 0;
+  for (const RequirementResult& result : results) {
+    if (!result.is_met) exit_code = kRequirementExit;
+    if (!result.is_met || !arguments.is_quiet) std::cout << to_text(result) << "\n";
+  }
+  return exit_code;
 }
 
 }  // namespace
 
-void add_score(CLI::App& app) {
+void add_score(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<ScoreArguments>();
-  CLI::App* sub = app.add_subcommand(
-      "score", "Score anyone's estimates (a BOP results CSV) against a BOP data set");
+  CLI::App* sub = app.add_subcommand("score",
+                                     "Score anyone's estimates against a data set; exit 3 if they "
+                                     "are not what is required");
   sub->add_option("results", arguments->results,
-                  "The estimates: scene_id,im_id,obj_id,score,R,t,time with t in mm")
+                  "The estimates of each method, FILE or NAME=FILE: a BOP results CSV "
+                  "(scene_id,im_id,obj_id,score,R,t,time with t in mm) or, of SPEED+, its list or "
+                  "filename,q0,q1,q2,q3,x,y,z")
       ->required();
-  sub->add_option("--dataset", arguments->dataset, "Folder of the data set, in BOP's format")
+  sub->add_option("--dataset", arguments->dataset,
+                  "Folder of the data set, in BOP's format or SPEED+'s")
       ->required();
-  sub->add_option("--out", arguments->out,
-                  "Folder for report.html, figures/, scores.json and errors.csv")
+  sub->add_option(
+         "--out", arguments->out,
+         "Folder for report.html, figures/, scores.json, errors.csv and targets.csv, which "
+         "`compare` takes")
       ->required();
-  sub->add_option("--split", arguments->split, "Its folder of scenes [test, or the only test*]");
+  sub->add_option("--split", arguments->split,
+                  "BOP: its folder of scenes [test, or the only test*]; SPEED+: its list without "
+                  ".json");
+  sub->add_option("--require", arguments->required,
+                  "What a figure must be, such as 'add_recall>=0.9' or "
+                  "'geodesic_deg.median<=0.5'; exit 3 where it is not")
+      ->type_name("FIGURE>=NUMBER")
+      ->allow_extra_args(false);
+  sub->add_option("--junit", arguments->junit, "Also write JUnit XML, a test case a requirement");
   sub->add_option("--vsd-delta-mm", arguments->vsd_delta_mm,
                   "How much nearer than the model the depth may be where VSD calls it visible")
       ->check(CLI::Range(1e-6, 1e9))
       ->capture_default_str();
   sub->add_flag("--quiet", arguments->is_quiet, "No progress and no table");
-  sub->callback([arguments] { run_score(*arguments); });
+  sub->callback([arguments, &exit_code] { exit_code = run_score(*arguments); });
 }
 
 }  // namespace sightline

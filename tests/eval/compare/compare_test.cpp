@@ -83,7 +83,7 @@ TEST_F(Compare, MoreNoiseIsWorseAndLessIsBetterOnTheSameTrials) {
   EXPECT_EQ(comparison.count(Verdict::kBetter), 0);
   EXPECT_EQ(cell_of(comparison, "noise_px 0.0", "orpe").verdict, Verdict::kUnchanged);
   const Difference& geodesic = cell_of(comparison, "noise_px 0.5", "orpe").differences[0];
-  EXPECT_EQ(geodesic.quantity, "geodesic_deg");
+  EXPECT_EQ(geodesic.quantity, "geodesic_deg.mean");
   EXPECT_GT(geodesic.ci95[0], 0);
   EXPECT_LT(geodesic.p, 0.05);
   EXPECT_TRUE(comparison.has_regression());
@@ -108,11 +108,14 @@ TEST_F(Compare, TheProgramSaysSoInItsExitCodeAndFiles) {
       run("compare " + base + " " + noisy + " --junit " + junit + " --markdown " + markdown);
   EXPECT_EQ(bad.exit_code, 3) << bad.output;
   EXPECT_THAT(bad.output, HasSubstr("worse"));
-  EXPECT_THAT(bad.output, HasSubstr("noise_px 0.5, orpe geodesic_deg"));
+  EXPECT_THAT(bad.output, HasSubstr("noise_px 0.5, orpe geodesic_deg.mean"));
+  EXPECT_THAT(bad.output, HasSubstr("settings differ: noise.scale 1.0 to 2\n"));
   EXPECT_THAT(read_whole(junit), HasSubstr("<testsuite name=\"cube-noise\" tests=\"18\""));
-  EXPECT_THAT(read_whole(junit), HasSubstr("<failure message=\"geodesic_deg is worse"));
+  EXPECT_THAT(read_whole(junit), HasSubstr("<failure message=\"geodesic_deg.mean is worse"));
+  EXPECT_THAT(read_whole(junit),
+              HasSubstr("<property name=\"settings\" value=\"settings differ: noise.scale"));
   EXPECT_THAT(read_whole(markdown),
-              HasSubstr("| noise_px 0.5 | orpe | geodesic_deg | **worse** |"));
+              HasSubstr("| noise_px 0.5 | orpe | geodesic_deg.mean | **worse** |"));
   EXPECT_EQ(run("compare " + base + " " + noisy + " --tolerance 1").exit_code, 0);
   // Python's own reader agrees that it is XML, where there is one.
   const Outcome parsed = run_shell(

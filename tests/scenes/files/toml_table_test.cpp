@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/files/toml_table.h"
 
+#include <map>
+#include <string>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -27,6 +30,16 @@ TEST(TomlTable, ReadsWhatIsThere) {
   EXPECT_TRUE(table.table("d").flag("e"));
   EXPECT_EQ(table.number("absent", {}, 7.0), 7.0);
   EXPECT_NO_THROW(table.reject_unknown_keys());
+}
+
+TEST(TomlTable, ListsItsValuesByThePathsThatOverridesHave) {
+  const TomlTable table = parse("a = 2\n[d]\ne = [0.15, 1]\n[[f]]\ng = 'x'\n[[f]]\ng = 'y'\n",
+                                {"f.1.g=z", "d.h=true"});
+  const std::map<std::string, std::string> expected = {
+      {"a", "2"}, {"d.e", "[ 0.15, 1 ]"}, {"d.h", "true"}, {"f.0.g", "'x'"}, {"f.1.g", "'z'"}};
+  EXPECT_EQ(table.values(), expected);
+  EXPECT_THROW(table.reject_unknown_keys(), InputError) << "nobody has asked for them by that";
+  EXPECT_EQ(table.table("d").values().size(), 2u);
 }
 
 TEST(TomlTable, ErrorsNameFileKeyGivenAndAllowed) {

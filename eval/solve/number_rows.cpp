@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/solve/number_rows.h"
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+constexpr std::string_view kSeparators = ",; \t\r";
+
+std::vector<std::string_view> words_in(std::string_view line) {
+  std::vector<std::string_view> words;
+  size_t begin = line.find_first_not_of(kSeparators);
+  while (begin != std::string_view::npos) {
+    const size_t end = std::min(line.find_first_of(kSeparators, begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    begin = line.find_first_not_of(kSeparators, end);
+  }
+  return words;
+}
+
+std::optional<double> number_in(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> read_number_rows(const std::filesystem::path& file, size_t least,
+                                                  size_t most, const std::string& what) {
+  std::ifstream stream(file, std::ios::binary);
+  if (!std::filesystem::is_regular_file(file) || !stream) {
+    throw InputError(fmt::format("{}: cannot be read", file.string()));
+  }
+  std::vector<std::vector<double>> rows;
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    const auto fail = [&](const std::string& reason) {
+      throw InputError(
+          fmt::format("{}: line {} {}, must have {}", file.string(), number, reason, what));
+    };
+    const std::vector<std::string_view> words = words_in(line);
+    if (words.empty() || words.front().starts_with('#')) continue;
+    if (rows.empty() && !number_in(words.front())) continue;  // the names of the columns
+    std::vector<double>& row = rows.emplace_back();
+    for (const std::string_view word : words) {
+      const auto value = number_in(word);
+      if (!value) fail(fmt::format("has '{}'", word));
+      row.push_back(*value);
+    }
+    if (row.size() < least || row.size() > most || row.size() != rows.front().size()) {
+      fail(fmt::format("has {} numbers", row.size()));
+    }
+  }
+  if (rows.empty()) throw InputError(fmt::format("{}: has no rows of numbers", file.string()));
+  return rows;
+}
+
+}  // namespace sightline
