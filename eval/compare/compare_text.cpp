@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "eval/output/numbers.h"
+#include "eval/output/plain_text.h"
 #include "eval/output/text_table.h"
 
 namespace sightline {
@@ -134,8 +135,8 @@ std::string to_text(const Comparison& comparison) {
       p_values.cells.push_back(p_text(d.p));
     }
   }
-  std::string text = wrapped(fmt::format("{}, {}", comparison.study, comparison.how)) +
-                     wrapped(comparison.settings) + wrapped(counts_text(comparison));
+  std::string text = wrapped(plain_line(fmt::format("{}, {}", comparison.study, comparison.how))) +
+                     wrapped(plain_line(comparison.settings)) + wrapped(counts_text(comparison));
   if (labels.empty()) return text;
   text += text_block("What changed", labels,
                      {{"", {verdicts, bases, news, changes, intervals, p_values}}});
@@ -144,24 +145,25 @@ std::string to_text(const Comparison& comparison) {
 }
 
 std::string to_markdown(const Comparison& comparison) {
-  std::string text =
-      fmt::format("## {}: {}\n\n{}; {}; {}. {}\n\n", comparison.study,
-                  comparison.has_regression() ? "worse" : "no regression", counts_text(comparison),
-                  comparison.how, comparison.settings, rule_text(comparison));
+  std::string text = fmt::format("## {}: {}\n\n{}; {}; {}. {}\n\n", markdown_text(comparison.study),
+                                 comparison.has_regression() ? "worse" : "no regression",
+                                 counts_text(comparison), markdown_text(comparison.how),
+                                 markdown_text(comparison.settings), rule_text(comparison));
   text +=
       "| condition | solver | number | verdict | base | new | change | 95 % of new - base | p |\n";
   text += "|---|---|---|---|--:|--:|--:|--:|--:|\n";
   for (const CellDifference& cell : comparison.cells) {
     if (cell.verdict == Verdict::kMissing) {
-      text += fmt::format("| {} | {} | | **missing** | | | | | |\n", cell.condition, cell.solver);
+      text += fmt::format("| {} | {} | | **missing** | | | | | |\n", markdown_text(cell.condition),
+                          markdown_text(cell.solver));
     }
     for (const Difference& d : cell.differences) {
       const std::string verdict(to_string(d.verdict));
-      text += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", cell.condition,
-                          cell.solver, d.quantity,
-                          d.verdict == Verdict::kUnchanged ? verdict : "**" + verdict + "**",
-                          short_number(d.base), short_number(d.now), change_text(d),
-                          change_interval(d.ci95), p_text(d.p));
+      text += fmt::format(
+          "| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", markdown_text(cell.condition),
+          markdown_text(cell.solver), markdown_text(d.quantity),
+          d.verdict == Verdict::kUnchanged ? verdict : "**" + verdict + "**", short_number(d.base),
+          short_number(d.now), change_text(d), change_interval(d.ci95), p_text(d.p));
     }
   }
   return text;

@@ -142,8 +142,12 @@ ComparedRun read_compared_run(const fs::path& path) {
                                  is_folder ? "holds no summary.json; must be the folder of a run"
                                            : "no such file or folder"));
   }
-  std::ifstream stream(file, std::ios::binary);
-  run.summary = Json::parse(stream, nullptr, /*allow_exceptions=*/false);
+  try {
+    run.summary = read_json(file);
+  } catch (const InputError& error) {
+    throw InputError(
+        fmt::format("{}: not a summary.json of sightline's ({})", path.string(), error.what()));
+  }
   try {
     for (const Json& cell : run.summary.at("cells")) {
       const std::string name = condition_name(cell.at("condition"));

@@ -8,20 +8,21 @@
 
 #include <pugixml.hpp>
 
+#include "eval/output/plain_text.h"
+
 namespace sightline {
 namespace {
 
-// The length of what XML 1.0 cannot hold, not even escaped, at the start of a text in UTF-8: a
-// control character, U+FFFE or U+FFFF; 0 where there is none.
+// The length of what XML 1.0 cannot hold, not even escaped, at the start of a plain text: U+FFFE or
+// U+FFFF; 0 where there is none.
 size_t forbidden_length(std::string_view text) {
-  const auto first = static_cast<unsigned char>(text.front());
-  const bool is_space = first == '\t' || first == '\n' || first == '\r';
-  if (first < 0x20 && !is_space) return 1;
   return text.starts_with("\xEF\xBF\xBE") || text.starts_with("\xEF\xBF\xBF") ? 3 : 0;
 }
 
-std::string xml_text(std::string_view text) {
+std::string xml_text(std::string_view given) {
   constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
+  const std::string plain = plain_text(given);
+  std::string_view text = plain;
   std::string allowed;
   while (!text.empty()) {
     const size_t forbidden = forbidden_length(text);

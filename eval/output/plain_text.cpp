@@ -81,6 +81,24 @@ std::string plain_text(std::string_view text) {
   return without_controls(text, "\n\r\t");
 }
 
+std::string markdown_text(std::string_view text) {
+  constexpr std::string_view kMarkup = "\\|`*[]#";
+  std::string out;
+  for (const char c : plain_line(text)) {
+    if (c == '<') {
+      out += "&lt;";
+    } else if (c == '>') {
+      out += "&gt;";
+    } else if (c == '&') {
+      out += "&amp;";
+    } else {
+      if (kMarkup.find(c) != std::string_view::npos) out += '\\';
+      out += c;
+    }
+  }
+  return out;
+}
+
 std::string shell_word(std::string_view text) {
   const bool is_plain = !text.empty() && std::all_of(text.begin(), text.end(), is_plain_in_shell);
   if (is_plain) return std::string(text);

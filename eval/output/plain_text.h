@@ -3,7 +3,7 @@
 //
 // Texts that we did not write (names of files, of targets, what a received folder holds) on their
 // way into something that gives some characters a meaning: one escaper for each such language.
-// HTML's is in html.h, CSV's in csv.h, TOML's in scenes/files/toml_table.h.
+// HTML's is in html.h, JUnit's in junit.h, CSV's in csv.h, TOML's in scenes/files/toml_table.h.
 #pragma once
 
 #include <string>
@@ -18,6 +18,10 @@ std::string plain_line(std::string_view text);
 
 /// The same, but line ends and tabs stay: for texts of several lines.
 std::string plain_text(std::string_view text);
+
+/// The text as it may stand in a line or a table's cell of Markdown: plain_line, with what would be
+/// markup, HTML or the end of the cell escaped. (An underscore within a word is none of these.)
+std::string markdown_text(std::string_view text);
 
 /// The text as one word of a POSIX shell; as it stands where that means nothing else.
 std::string shell_word(std::string_view text);

@@ -65,6 +65,11 @@ TEST(PlainText, TellsHarmlessCommands) {
   }
 }
 
+TEST(PlainText, InMarkdownStaysInItsCell) {
+  EXPECT_EQ(markdown_text("a|b\n<script>&`x` orpe_weighed"),
+            "a\\|b\u240A&lt;script&gt;&amp;\\`x\\` orpe_weighed");
+}
+
 TEST(PlainText, OfTomlReadsBackTheSame) {
   for (const std::string text : {"", "it's", "a\"b\\c", "a\nb\tc", "\x7f", "run_1.000000000000"}) {
     EXPECT_EQ(TomlTable::read_text("a = " + toml_text(text), "test").text("a"), text);

@@ -1,0 +1,179 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// `sightline solve` and `sightline align`, as a user runs them.
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "eval/solve/camera_file.h"
+#include "eval/solve/number_rows.h"
+#include "pose/camera.h"
+#include "pose/pose.h"
+#include "scenes/random/random.h"
+#include "tests/eval/program.h"
+#include "tests/scenes/error_text.h"
+#include "tests/scenes/temporary_folder.h"
+
+namespace sightline {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kCalibration = R"(%YAML:1.0
+---
+image_width: 640
+image_height: 480
+camera_matrix: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 800., 0., 319.5, 0., 810., 239.5, 0., 0., 1. ]
+distortion_coefficients: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ -0.1, 0.01, 0.001, -0.002, 0. ]
+)";
+
+class Solve : public testing::Test {
+ protected:
+  Solve() : camera_file_(folder_.write("camera.yaml", kCalibration).string()) {}
+
+  // Twenty points and their pixels, of which the first two are 30 px off.
+  std::string points_file(double sigma_px, const std::string& more = "") const {
+    const Camera camera = read_camera_file(camera_file_);
+    RandomStream stream(1, "points", 0);
+    std::string text = "# X Y Z u v\n";
+    for (int i = 0; i < 20; ++i) {
+      const auto coordinate = [&] { return stream.uniform(-1, 1); };
+      const Eigen::Vector3d point(coordinate(), coordinate(), coordinate());
+      const Eigen::Vector2d pixel = project(camera, truth_ * point).value();
+      const double off = i < 2 ? 30 : 0;
+      text += fmt::format("{} {} {} {} {}\n", point.x(), point.y(), point.z(),
+                          pixel.x() + sigma_px * stream.normal() + off,
+                          pixel.y() + sigma_px * stream.normal());
+    }
+    return folder_.write("points.txt", text + more).string();
+  }
+  Outcome solve(const std::string& points, const std::string& more = "") const {
+    return run("solve " + points + " --camera " + camera_file_ + " " + more);
+  }
+
+  TemporaryFolder folder_;
+  std::string camera_file_;
+  Pose truth_{rotation_from_vector({0.3, -0.2, 0.5}), {0.1, -0.2, 6}};
+};
+
+TEST_F(Solve, FindsThePoseAndTheOutliersWithHonestIntervals) {
+  const Outcome outcome = solve(points_file(0.5), "--json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const json answer = json::parse(outcome.output);
+  EXPECT_EQ(answer["status"], "ok");
+  EXPECT_THAT(answer["removed"].get<std::vector<int>>(), ElementsAre(0, 1));
+  constexpr double kMostSigmas = 4.5;
+  for (int i = 0; i < 3; ++i) {
+    const double sd = std::sqrt(answer["covariance_rad_m"][3 + i][3 + i].get<double>());
+    const double t = answer["cam_from_target"]["translation_m"][i];
+    EXPECT_GT(sd, 0);
+    EXPECT_LT(std::abs(t - truth_.translation[i]), kMostSigmas * sd);
+  }
+  EXPECT_NEAR(answer["noise_px"].get<double>(), 0.5, 0.35) << "of 18 points";
+}
+
+TEST_F(Solve, SaysItInWords) {
+  const std::string points = points_file(0.5, "nan 0 0 1 2\n");
+  const Outcome outcome = solve(points, "--sigma 0.5");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_THAT(outcome.output,
+              AllOf(HasSubstr("with 95 % intervals"), HasSubstr("points removed        2 (0, 1)"),
+                    HasSubstr("points unusable       1 (20)"), HasSubstr("18 of 21"),
+                    Not(HasSubstr("warning"))));
+}
+
+TEST_F(Solve, WarnsOfWhatHasNoPose) {
+  std::string random = "X,Y,Z,u,v\n";
+  RandomStream stream(2, "chance", 0);
+  for (int i = 0; i < 12; ++i) {
+    random += fmt::format("{},{},{},{},{}\n", stream.uniform(-1, 1), stream.uniform(-1, 1),
+                          stream.uniform(-1, 1), stream.uniform(0, 640), stream.uniform(0, 480));
+  }
+  const Outcome chance = solve(folder_.write("chance.csv", random).string());
+  EXPECT_TRUE(chance.exit_code != 0 || chance.output.find("warning") != std::string::npos)
+      << chance.output;
+  const Outcome few = solve(folder_.write("few.txt", "0 0 0 1 1\n1 0 0 2 2\n").string());
+  EXPECT_EQ(few.exit_code, 1);
+  EXPECT_THAT(few.output, HasSubstr("no pose: too_few_points"));
+}
+
+TEST_F(Solve, RefusesBadFilesInOneLine) {
+  const auto refusal = [&](const std::string& text) {
+    const Outcome outcome = solve(folder_.write("bad.txt", text).string());
+    EXPECT_EQ(outcome.exit_code, 1) << text;
+    EXPECT_EQ(lines_of(outcome.output), 1u) << outcome.output;
+    return outcome.output;
+  };
+  EXPECT_THAT(refusal("1 2 3 4\n"), HasSubstr("bad.txt: line 1 has 4 numbers, must have X Y Z"));
+  EXPECT_THAT(refusal("1 2 3 4 5\n1 2 3 x 5\n"), HasSubstr("line 2 has 'x'"));
+  EXPECT_THAT(refusal("1 2 3 4 5\n1 2 3 4 5 6\n"), HasSubstr("line 2 has 6 numbers"));
+  EXPECT_THAT(refusal("# nothing\n"), HasSubstr("has no rows of numbers"));
+  EXPECT_THAT(solve(points_file(0.1), "--solver oracle").output, HasSubstr("cannot be asked"));
+  EXPECT_THAT(run("solve " + points_file(0.1) + " --camera none.yaml").output,
+              HasSubstr("none.yaml: cannot be read"));
+  folder_.write("k.json", R"({"camera_matrix": 3})");
+  EXPECT_THAT(
+      run("solve " + points_file(0.1) + " --camera " + (folder_.path() / "k.json").string()).output,
+      HasSubstr("camera_matrix is missing, must be 3 x 3"));
+}
+
+TEST_F(Solve, ReadsCamerasOfTomlToo) {
+  const auto file =
+      folder_.write("scene.toml", "[camera]\nwidth_px = 640\nheight_px = 480\nf_px = 800.0\n");
+  const Camera camera = read_camera_file(file);
+  EXPECT_EQ(camera.fx_px, 800);
+  EXPECT_EQ(camera.cx_px, 319.5);
+  EXPECT_EQ(read_camera_file(camera_file_).distortion.p2, -0.002);
+}
+
+TEST(Align, FindsTheAlignmentAmongMostlyWrongPairs) {
+  const TemporaryFolder folder;
+  const Pose truth{rotation_from_vector({0.3, 1.2, -0.5}), {10, -20, 5}};
+  RandomStream stream(3, "pairs", 0);
+  const auto point = [&] {
+    const double x = stream.uniform(-1, 1);
+    const double y = stream.uniform(-1, 1);
+    return Eigen::Vector3d(x, y, stream.uniform(-1, 1));
+  };
+  constexpr double kSigma = 0.01;
+  std::string text;
+  for (int i = 0; i < 100; ++i) {
+    const Eigen::Vector3d a = point();
+    Eigen::Vector3d b = truth * a;
+    for (double& coordinate : b) coordinate += kSigma * stream.normal();
+    if (i % 10 != 0) b = truth.translation + point();
+    text += fmt::format("{}\t{}\t{}\t{}\t{}\t{}\n", a.x(), a.y(), a.z(), b.x(), b.y(), b.z());
+  }
+  const std::string file = folder.write("pairs.txt", text).string();
+  const Outcome outcome = run("align " + file + " --sigma 0.01 --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const json answer = json::parse(outcome.output);
+  EXPECT_EQ(answer["status"], "ok");
+  EXPECT_TRUE(answer["is_significant"].get<bool>());
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(answer["b_from_a"]["translation_m"][i].get<double>(), truth.translation[i],
+                5 * kSigma);
+  }
+  EXPECT_THAT(run("align " + file).output, AllOf(HasSubstr("b_from_a"), HasSubstr("pairs kept")));
+  EXPECT_THAT(run("align " + file + " --method fast").output, HasSubstr("--method fast: is not"));
+}
+
+}  // namespace
+}  // namespace sightline
