@@ -13,7 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "eval/output/csv.h"
-#include "eval/records/columns.h"
+#include "eval/records/records.h"
 
 namespace sightline {
 namespace {

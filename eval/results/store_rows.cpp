@@ -13,7 +13,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "eval/records/columns.h"
+#include "eval/records/records.h"
 #include "eval/results/store_schema.h"
 #include "scenes/files/input_error.h"
 

@@ -13,7 +13,7 @@ class Database;
 
 namespace sightline {
 
-// The rows of a store's tables, by eval/records/columns.h. What SQLite refuses throws
+// The rows of a store's tables, by eval/records/records.h. What SQLite refuses throws
 // SQLite::Exception, a text that is no name UnknownName, and a list that is no JSON the exception
 // of that library.
 

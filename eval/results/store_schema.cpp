@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "eval/records/columns.h"
+#include "eval/records/records.h"
 
 namespace sightline {
 namespace {

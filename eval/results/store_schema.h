@@ -12,7 +12,7 @@ class Database;
 
 namespace sightline {
 
-// The tables of a store that hold trials, made from eval/records/columns.h. What SQLite refuses
+// The tables of a store that hold trials, made from eval/records/records.h. What SQLite refuses
 // throws SQLite::Exception.
 
 /// Neighbouring columns of a table that mean one thing: one column, or the numbers of a pose.
