@@ -16,7 +16,7 @@ enum class OrientationStatus {
   kTooFewPoints,  ///< fewer than the method needs (three but for direct_linear), or lists of
                   ///< different lengths; points of weight zero do not count
   kDegenerate,    ///< collinear or coincident points: the rotation is not determined
-  kNotFinite,     ///< a coordinate is NaN or infinite
+  kNotFinite,     ///< a coordinate of a point that counts is NaN or infinite
   kBadWeights,    ///< not one a point, negative, NaN or infinite
   kReflection,    ///< the method fits the points best by a reflection and has no rotation to offer
   kNotConverged,  ///< an iterative method ran out of iterations

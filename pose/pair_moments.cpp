@@ -120,6 +120,17 @@ double power_of_two_near(double x) {
   return std::ldexp(1.0, std::clamp(std::ilogb(x), -1000, 1000));
 }
 
+/// The points that have a weight: the others may hold anything.
+template <typename Scalar>
+std::vector<Eigen::Matrix<Scalar, 3, 1>> weighted(Points<Scalar> points,
+                                                  std::span<const double> weights) {
+  std::vector<Eigen::Matrix<Scalar, 3, 1>> result;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    if (weights[k] > 0) result.push_back(points[k]);
+  }
+  return result;
+}
+
 template <typename Scalar>
 std::vector<Eigen::Vector3d> scaled(Points<Scalar> points, double factor) {
   std::vector<Eigen::Vector3d> result;
@@ -175,8 +186,15 @@ PairMoments pair_moments(Points<Scalar> points_in_a, Points<Scalar> points_in_b,
     return failed;
   }
   PairMoments m = moments_in_range(pairs, inspected);
-  if (m.status != OrientationStatus::kOk) m = moments_out_of_range(pairs, inspected);
-  return m;
+  if (m.status == OrientationStatus::kOk) return m;
+  if (inspected.positive == points_in_a.size()) return moments_out_of_range(pairs, inspected);
+  const auto in_a = weighted<Scalar>(points_in_a, weights);
+  const auto in_b = weighted<Scalar>(points_in_b, weights);
+  std::vector<double> positive;
+  for (const double w : weights) {
+    if (w > 0) positive.push_back(w);
+  }
+  return pair_moments<Scalar>(in_a, in_b, positive, with_spread);
 }
 
 template PairMoments pair_moments<double>(std::span<const Eigen::Vector3d>,

@@ -13,6 +13,7 @@
 #include "eval/results/columns_page.h"
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
+#include "pose/robust_alignment.h"
 #include "pose/solver.h"
 #include "scenes/files/assets.h"
 #include "scenes/files/input_error.h"
@@ -66,6 +67,10 @@ std::string methods() {
   std::vector<Line> lines;
   for (const OrientationMethod& method : orientation_methods()) {
     lines.push_back({std::string(method.name), std::string(method.summary)});
+  }
+  for (const RobustAlignmentMethod& method : robust_alignment_methods()) {
+    lines.push_back(
+        {std::string(method.name), fmt::format("{} (for pairs with outliers)", method.summary)});
   }
   return section("methods", lines);
 }

@@ -81,7 +81,7 @@ std::vector<Key> described_keys() {
        "list extractors` for all that it can find, or a name of [[observations]]"},
       {"",
        "methods",
-       Described{"all", "names"},
+       Described{"all but those for outliers", "names"},
        {},
        "",
        "of an orientation study: its methods, see `sightline list methods`"},
@@ -122,6 +122,18 @@ std::vector<Key> described_keys() {
        {},
        "",
        "of an orientation study: values of points.count"},
+      {"sweep",
+       "share",
+       Described{"none", "numbers"},
+       {},
+       "",
+       "of an orientation study: values of outliers.share"},
+      {"sweep",
+       "scale",
+       Described{"none", "numbers"},
+       {},
+       "",
+       "of an orientation study: values of points.scale"},
       {"poses.fixed.paper",
        "SOLVER",
        Described{"none", "[degrees, percent], 0 to 180"},
@@ -190,7 +202,17 @@ std::vector<Key> sigma_keys(bool& is_sigma_known) {
            choice(is_sigma_known, {{"unknown", false}, {"known", true}}),
            {},
            "",
-           "of a numeric study: whether solvers are told the noise applied"}};
+           "of a numeric study, and for the methods of an orientation study that know outliers: "
+           "whether solvers are told the noise applied"}};
+}
+
+std::vector<Key> scale_keys(bool& estimates_scale) {
+  return {{"solver",
+           "scale",
+           choice(estimates_scale, {{"one", false}, {"free", true}}),
+           {},
+           "",
+           "of an orientation study: whether methods that know outliers seek a scale"}};
 }
 
 std::vector<Key> dataset_keys(SightingSource& source, int& bits) {
@@ -308,6 +330,19 @@ std::vector<Key> axis_keys() {
        "of an orientation study: standard deviation of each coordinate"},
       {"outliers", "count", whole, {0, kInfinity}, "", "displaced points of a trial"},
       {"points", "count", unless_swept, {3, 1e6}, "", "points of a trial"},
+      {"points",
+       "scale",
+       Described{"1"},
+       {1e-6, 1e6},
+       "",
+       "of an orientation study: of lengths in the second frame"},
+      {"outliers",
+       "share",
+       Described{"0"},
+       {0, 0.9999},
+       "",
+       "of an orientation study: part of the pairs that are wrong, in the second frame anywhere in "
+       "the volume of the others"},
   };
 }
 
@@ -318,6 +353,7 @@ std::vector<KeyText> study_keys() {
   Start start = Start::kPrior;
   SolverOptions options;
   bool is_sigma_known = false;
+  bool estimates_scale = false;
   SightingSource source;
   int bits = kMostBits;
   PlantedOutliers planted;
@@ -329,8 +365,8 @@ std::vector<KeyText> study_keys() {
   for (const std::vector<Key>& keys :
        {described_keys(), point_keys(pairs), dataset_keys(source, bits), keys_of(setup.prior),
         extraction_keys(setup, bias_mesh_fraction), solver_keys(start, options),
-        sigma_keys(is_sigma_known), keys_of(planted), axis_keys(), limit_keys(limits),
-        keys_of(observations), keys_of(estimates)}) {
+        sigma_keys(is_sigma_known), scale_keys(estimates_scale), keys_of(planted), axis_keys(),
+        limit_keys(limits), keys_of(observations), keys_of(estimates)}) {
     for (KeyText& text : texts_of(keys, "")) all.push_back(std::move(text));
   }
   return all;

@@ -33,6 +33,9 @@ std::vector<Key> solver_keys(Start& start, SolverOptions& options);
 /// `sigma` of [solver].
 std::vector<Key> sigma_keys(bool& is_sigma_known);
 
+/// `scale` of [solver].
+std::vector<Key> scale_keys(bool& estimates_scale);
+
 /// [dataset]; `bits` is the depth of its images.
 std::vector<Key> dataset_keys(SightingSource& source, int& bits);
 

@@ -64,10 +64,19 @@ const TrialSolver* Study::find_solver(std::string_view solver_name) const {
   return nullptr;
 }
 
+std::string_view name_of(const StudyMethod& method) {
+  return std::visit([](const auto* one) { return one->name; }, method);
+}
+
+bool OrientationStudy::has_outliers() const {
+  return std::any_of(cells.begin(), cells.end(),
+                     [](const OrientationCell& cell) { return cell.outliers > 0; });
+}
+
 std::vector<std::string> Study::solver_names() const {
   if (const PoseStudy* const study = pose_study()) return study->solving.names();
   std::vector<std::string> names;
-  for (const OrientationMethod* method : orientation()->methods) names.emplace_back(method->name);
+  for (const StudyMethod& method : orientation()->methods) names.emplace_back(name_of(method));
   return names;
 }
 

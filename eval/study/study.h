@@ -23,6 +23,7 @@
 #include "eval/study/planted.h"
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
+#include "pose/robust_alignment.h"
 #include "pose/solver.h"
 #include "scenes/scene/prior.h"
 #include "scenes/scene/scene_law.h"
@@ -177,28 +178,41 @@ struct NumericStudy : PoseStudy {
 };
 
 /// What an orientation study draws: points uniform in a cube about the origin, three uniform Euler
-/// angles, a translation uniform in a cube; and of every draw so many noisy copies.
+/// angles, a translation uniform in a cube; and of every draw so many noisy copies, each with its
+/// own wrong pairs.
 struct PointPairs {
   double half_side_m = 10;
   double translation_m = 100;  ///< each coordinate in +-
   int copies = 50;
-  int timed_repeats = 0;  ///< of every solve, for its mean time; 0: nothing is timed
+  int timed_repeats = 0;         ///< of every solve, for its mean time; 0: nothing is timed
+  bool is_sigma_known = false;   ///< methods for pairs with outliers are told the noise applied
+  bool estimates_scale = false;  ///< and seek a scale
 };
 
 /// What one condition of an orientation study draws.
 struct OrientationCell {
   double noise_m = 0;  ///< standard deviation of each coordinate; noise.scale applied
   int points = 0;      ///< of a trial
+  int outliers = 0;    ///< of them, in the second frame anywhere in the volume of the others
+  double scale = 1;    ///< of the second frame
 };
+
+/// A method of an orientation study: one that takes every pair to be right, or one for pairs with
+/// outliers.
+using StudyMethod = std::variant<const OrientationMethod*, const RobustAlignmentMethod*>;
+
+std::string_view name_of(const StudyMethod& method);
 
 /// A study whose trials begin at matched points in two frames, for the absolute orientation.
 struct OrientationStudy {
-  std::vector<const OrientationMethod*> methods;
+  std::vector<StudyMethod> methods;
   PointPairs pairs;
   std::vector<OrientationCell> cells;  ///< one a condition of the study
 
   /// Whether its solves are timed, for timings.csv.
   bool takes_times() const { return pairs.timed_repeats > 0; }
+  /// Whether any of its pairs are wrong.
+  bool has_outliers() const;
 };
 
 /// A study as its file states it, checked: a thing that can be run.

@@ -127,8 +127,12 @@ std::vector<Condition> conditions_of(const std::vector<SweptCell>& cells) {
   return conditions;
 }
 
-Axis read_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed) {
-  if (!sweep.has(key)) return {{fixed.table.number(fixed.key, allowed)}, false};
+Axis read_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed,
+               std::optional<double> if_absent) {
+  if (!sweep.has(key)) {
+    const bool is_absent = if_absent && !fixed.table.has(fixed.key);
+    return {{is_absent ? *if_absent : fixed.table.number(fixed.key, allowed)}, false};
+  }
   if (fixed.table.has(fixed.key)) {
     sweep.fail(key, fmt::format("cannot stand beside {}.{}: give one or the other", fixed.name,
                                 fixed.key));

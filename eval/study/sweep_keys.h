@@ -4,6 +4,7 @@
 // [sweep]: keys that take several values, each combination of which is a condition of the study.
 #pragma once
 
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -44,7 +45,9 @@ struct Place {
   const char* key;
 };
 
-Axis read_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed);
+/// `if_absent`: the value where the file has neither; without it the file must have one.
+Axis read_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed,
+               std::optional<double> if_absent = std::nullopt);
 
 /// An axis of whole numbers.
 Axis read_count_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed);

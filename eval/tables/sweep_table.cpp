@@ -99,6 +99,12 @@ std::vector<SweepQuantity> orientation_quantities(const OrientationStudy& study,
     const bool is_measured = !quantity.is_time || study.takes_times();
     if (view.heading != nullptr && is_measured) all.push_back(shown(quantity, view));
   }
+  if (study.has_outliers()) {
+    all.push_back(
+        {.heading = "Draws with a geodesic error at the cap / %",
+         .value = [](const Cell& cell) { return 100.0 * cell.geodesic_deg.capped / cell.trials; },
+         .decimals = 1});
+  }
   const bool has_failures = std::any_of(summary.cells.begin(), summary.cells.end(),
                                         [](const Cell& cell) { return cell.failed_copies > 0; });
   if (has_failures) {

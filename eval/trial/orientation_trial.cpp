@@ -7,6 +7,9 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "eval/records/caps.h"
 #include "pose/angles.h"
@@ -30,13 +33,37 @@ Points drawn_points(int count, double half_side_m, RandomStream& stream) {
   return points;
 }
 
-Points noisy_copy(const Points& points_in_a, const Pose& b_from_a, double sd_m,
+Points noisy_copy(const Points& points_in_a, const Pose& b_from_a, const OrientationCell& cell,
                   RandomStream& stream) {
   Points points_in_b;
   for (const Eigen::Vector3d& x : points_in_a) {
-    points_in_b.push_back(b_from_a * x + sd_m * stream.normal3());
+    points_in_b.push_back(b_from_a * (cell.scale * x) + cell.noise_m * stream.normal3());
   }
   return points_in_b;
+}
+
+// Takes some of the points, drawn anew for each copy, to places uniform in the cube.
+void plant_outliers(const OrientationCell& cell, double half_side_m, const Pose& b_from_a,
+                    RandomStream& stream, Points& points_in_b) {
+  std::vector<size_t> order(points_in_b.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  for (int i = 0; i < cell.outliers; ++i) {
+    const auto first = static_cast<size_t>(i);
+    const uint64_t drawn = (uint64_t{stream.bits()} * (order.size() - first)) >> 32;
+    std::swap(order[first], order[first + drawn]);
+    points_in_b[order[first]] = b_from_a * (cell.scale * drawn_in_cube(half_side_m, stream));
+  }
+}
+
+// What any method makes of the pairs.
+OrientationEstimate estimate_by(const StudyMethod& method, const Points& points_in_a,
+                                const Points& points_in_b, const RobustAlignmentOptions& options) {
+  if (const auto* const plain = std::get_if<const OrientationMethod*>(&method)) {
+    return (*plain)->estimate(points_in_a, points_in_b);
+  }
+  const RobustAlignment alignment =
+      std::get<const RobustAlignmentMethod*>(method)->align({points_in_a, points_in_b}, options);
+  return {alignment.status, alignment.b_from_a, alignment.scale};
 }
 
 // Mean of the three angles' absolute errors, each wrapped to [-pi, pi].
@@ -79,12 +106,12 @@ void divide_by(int copies, OrientationRecord& sums) {
   }
 }
 
-double mean_time_ns(const OrientationMethod& method, const Points& points_in_a,
-                    const Points& points_in_b, int repeats) {
+double mean_time_ns(const StudyMethod& method, const Points& points_in_a, const Points& points_in_b,
+                    const RobustAlignmentOptions& options, int repeats) {
   double sum = 0;
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < repeats; ++i) {
-    sum += method.estimate(points_in_a, points_in_b).b_from_a.rotation(0, 0);
+    sum += estimate_by(method, points_in_a, points_in_b, options).b_from_a.rotation(0, 0);
   }
   const std::chrono::duration<double, std::nano> time = std::chrono::steady_clock::now() - start;
   [[maybe_unused]] const volatile double used = sum;  // so that no solve can be left out
@@ -106,19 +133,23 @@ TrialRecord run_orientation_trial(const OrientationStudy& study, uint64_t seed, 
   const Pose b_from_a = pose_from(theta_deg, drawn_in_cube(pairs.translation_m, draw_stream));
   record.true_cam_from_target = b_from_a;
   auto& orientations = record.kind.emplace<OrientationTrial>().orientations;
-  for (const OrientationMethod* method : study.methods) {
-    orientations.emplace_back().method = method->name;
+  for (const StudyMethod& method : study.methods) {
+    orientations.emplace_back().method = name_of(method);
   }
 
+  const RobustAlignmentOptions options = {.sigma_m = pairs.is_sigma_known ? cell.noise_m : 0.0,
+                                          .estimates_scale = pairs.estimates_scale};
   RandomStream noise_stream(seed, "point noise", index);
+  RandomStream outlier_stream(seed, "wrong pairs", index);
   for (int copy = 0; copy < pairs.copies; ++copy) {
-    const Points points_in_b = noisy_copy(points_in_a, b_from_a, cell.noise_m, noise_stream);
+    Points points_in_b = noisy_copy(points_in_a, b_from_a, cell, noise_stream);
+    plant_outliers(cell, pairs.half_side_m, b_from_a, outlier_stream, points_in_b);
     for (size_t i = 0; i < study.methods.size(); ++i) {
-      const OrientationMethod& method = *study.methods[i];
+      const StudyMethod& method = study.methods[i];
       OrientationRecord& sums = orientations[i];
-      add_errors(method.estimate(points_in_a, points_in_b), b_from_a, sums);
+      add_errors(estimate_by(method, points_in_a, points_in_b, options), b_from_a, sums);
       if (copy > 0 || pairs.timed_repeats == 0) continue;
-      sums.time_ns = mean_time_ns(method, points_in_a, points_in_b, pairs.timed_repeats);
+      sums.time_ns = mean_time_ns(method, points_in_a, points_in_b, options, pairs.timed_repeats);
     }
   }
   for (OrientationRecord& sums : orientations) divide_by(pairs.copies, sums);

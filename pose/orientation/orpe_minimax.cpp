@@ -76,7 +76,7 @@ class DistanceInteriorPoint {
         lowest = largest();
         best = map;
       }
-      if (mean_product() * static_cast<double>(constraints_.size()) < kGap * lowest) break;
+      if (is_done()) break;
     }
     map = best;
     std::vector<double> multipliers;
@@ -112,6 +112,17 @@ class DistanceInteriorPoint {
     return sum / static_cast<double>(constraints_.size());
   }
 
+  /// Whether the products and the misses are gone: sum l f is then max f.
+  bool is_done() const {
+    double weighed = 0;
+    double sum = 0;
+    for (const DistanceConstraint& c : constraints_) {
+      weighed += c.multiplier * c.f;
+      sum += c.multiplier;
+    }
+    return weighed > (1 - kGap) * sum * largest();
+  }
+
   /// Slacks and multipliers of equal products; the multipliers sum to one.
   void centre() {
     bound_ = 1.1 * largest();
@@ -126,8 +137,8 @@ class DistanceInteriorPoint {
     }
   }
 
-  /// sum l_i f_i''.
-  Square hessian() const {
+  /// sum l_i f_i'', or of it what is positive in any case: 2 sum l_i J_i^T J_i / v_i.
+  Square hessian(bool is_whole) const {
     const int p = set_.unknowns();
     Square h = Square::Zero(p, p);
     Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 7> jacobian(3, p);
@@ -139,6 +150,7 @@ class DistanceInteriorPoint {
       jacobian.middleCols<3>(3).setIdentity();
       if (p == 7) jacobian.col(6) = c.q;
       h.noalias() += (2 * weight) * jacobian.transpose() * jacobian;
+      if (!is_whole) continue;
       const double rq = c.r.dot(c.q);
       h.topLeftCorner<3, 3>() += weight * (c.r * c.q.transpose() + c.q * c.r.transpose());
       h.topLeftCorner<3, 3>().diagonal().array() -= 2 * weight * rq;
@@ -197,19 +209,24 @@ class DistanceInteriorPoint {
   }
 
   bool step(Similarity& map) {
-    Square matrix = hessian();
+    Square outer = Square::Zero(set_.unknowns(), set_.unknowns());
     Unknowns coupling = Unknowns::Zero(set_.unknowns());
     double weights = 0;
     for (DistanceConstraint& c : constraints_) {
       const double w = c.multiplier / c.slack;
-      matrix.noalias() += w * c.slope * c.slope.transpose();
+      outer.noalias() += w * c.slope * c.slope.transpose();
       coupling += w * c.slope;
       weights += w;
       c.correction = 0;
     }
-    matrix.noalias() -= coupling * (coupling.transpose() / weights);
-    matrix.diagonal() *= 1 + 1e-12;
-    Eigen::LLT<Square> factor(matrix);
+    outer.noalias() -= coupling * (coupling.transpose() / weights);
+    const auto factored = [&](bool is_whole) {
+      Square matrix = hessian(is_whole) + outer;
+      matrix.diagonal() *= 1 + 1e-12;
+      return Eigen::LLT<Square>(matrix);
+    };
+    Eigen::LLT<Square> factor = factored(true);
+    if (factor.info() != Eigen::Success) factor = factored(false);
     if (factor.info() != Eigen::Success) return false;
     solve(factor, coupling, weights, 0);
     solve(factor, coupling, weights, predicted_mu());
