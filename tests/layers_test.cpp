@@ -43,7 +43,7 @@ const Rooms kEvalRooms = {
     {"compare", {"output", "records", "results", "score", "statistics", "summary"}},
     {"score", {"datasets", "metrics", "output", "records", "report", "statistics"}},
     {"image_sets", {"datasets", "output", "study", "work"}},
-    {"run", {"output", "report", "results", "study", "summary", "trial", "work"}},
+    {"run", {"datasets", "output", "report", "results", "study", "summary", "trial", "work"}},
     {"report",
      {"output", "records", "statistics", "study", "summary", "tables", "target", "trial"}},
     {"tables", {"output", "study", "summary"}},

@@ -3,7 +3,7 @@
 //
 // Texts that we did not write (names of files, of targets, what a received folder holds) on their
 // way into something that gives some characters a meaning: one escaper for each such language.
-// HTML's is in html.h, JUnit's in junit.h, CSV's in csv.h, TOML's in scenes/files/toml_table.h.
+// HTML's is in html.h, JUnit's in junit.h, CSV's in csv.h, TOML's in scenes/files/toml_text.h.
 #pragma once
 
 #include <string>

@@ -10,7 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "scenes/files/input_error.h"
-#include "scenes/files/toml_table.h"
+#include "scenes/files/toml_text.h"
 
 namespace sightline {
 namespace {

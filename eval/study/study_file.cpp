@@ -7,6 +7,7 @@
 
 #include "eval/study/study_keys.h"
 #include "scenes/files/assets.h"
+#include "scenes/files/toml_text.h"
 
 namespace sightline {
 namespace {

@@ -23,9 +23,6 @@ struct Interval {
   double max = std::numeric_limits<double>::infinity();
 };
 
-/// A text as TOML writes it, in quotes, whatever it holds.
-std::string toml_text(std::string_view text);
-
 /// The strict way to read a TOML file: every value is checked at the door, every error is an
 /// InputError that names the file, the key, what was given and what is allowed, and
 /// `reject_unknown_keys` turns a key that nobody asked for into an error. A getter without fallback

@@ -16,7 +16,7 @@
 #include "eval/work/interrupt.h"
 #include "scenes/files/assets.h"
 #include "scenes/files/input_error.h"
-#include "scenes/files/toml_table.h"
+#include "scenes/files/toml_text.h"
 
 namespace sightline {
 namespace {

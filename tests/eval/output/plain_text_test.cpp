@@ -14,6 +14,7 @@
 #include "eval/output/text_table.h"
 #include "eval/report/gnuplot.h"
 #include "scenes/files/toml_table.h"
+#include "scenes/files/toml_text.h"
 #include "tests/eval/program.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
