@@ -11,6 +11,7 @@
 namespace sightline {
 
 Comparison register_absolute_orientation();
+Comparison register_alignment();
 Comparison register_outlier();
 Comparison register_pnp();
 Comparison register_render();

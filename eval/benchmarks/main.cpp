@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   cv::setNumThreads(1);  // as in the program
   const std::vector<sightline::Comparison> comparisons = {
       sightline::register_absolute_orientation(),
+      sightline::register_alignment(),
       sightline::register_pnp(),
       sightline::register_outlier(),
       sightline::register_render(),

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // The evidence of a set of k inliers among n: a uniform prior of the share gives 1 / C(n, k), the
-// map has the prior 1 / (V 8 pi^2) (and 1 / ln 100 of the logarithm of a scale), and is integrated
-// by Laplace's method, which is nearly exact as the residuals are nearly linear; unknown noise has
-// the prior 1 / (sigma ln 1e6). So
+// map has the prior 1 / (V 8 pi^2) (and a scale that of a factor of 2 either way), and is
+// integrated by Laplace's method, which is nearly exact as the residuals are nearly linear; unknown
+// noise has the prior 1 / (sigma ln 1e6). So
 //
 //   ln E = -ln C(n, k) + k ln V - ln(V 8 pi^2) - 3k/2 ln 2 pi - 3/2 sum ln v + p/2 ln 2 pi
 //          - 1/2 ln det H + { -(3k - p) ln sigma - Q / (2 sigma^2)
@@ -26,6 +26,8 @@ namespace {
 
 /// Of more pairs one intruder does not change the noise by much.
 constexpr std::size_t kMostSearchedForIntruders = 12;
+/// The clouds, each in units of its own size, differ in scale by about a factor of 2.
+const double kLogScaleDeviation = std::log(2.0);
 /// So many agree at least that are held to be a set.
 constexpr std::size_t kLeastInliers = 4;
 
@@ -59,7 +61,10 @@ double log_evidence(const PairSet& set, std::span<const int> inliers, int n) {
   if (set.estimates_scale) log_det += std::log(trace);
   const double log_two_pi = std::log(2 * std::numbers::pi);
   double log_prior = -std::log(set.volume * 8 * std::numbers::pi * std::numbers::pi);
-  if (set.estimates_scale) log_prior -= std::log(std::log(100.0));
+  if (set.estimates_scale) {
+    const double deviations = std::log(map->scale) / kLogScaleDeviation;
+    log_prior -= 0.5 * deviations * deviations + std::log(kLogScaleDeviation) + 0.5 * log_two_pi;
+  }
   double log_noise = 0;
   if (set.sigma > 0) {
     log_noise = -degrees * std::log(set.sigma) - squares / (2 * set.sigma * set.sigma);

@@ -286,7 +286,8 @@ TEST_F(Program, ListsWhatTheCataloguesHold) {
   for (const char* name :
        {"boeing707", "cube", "hough_intersection", "shi_tomasi_nearest", "orpe", "lspe", "oracle",
         "walker_dual_quaternion", "boeing-table1", "boeing-random", "cube-noise", "cube-outliers",
-        "orientation-points", "orientation-noise", "orientation-speed"}) {
+        "orientation-points", "orientation-noise", "orientation-outliers", "orientation-speed",
+        "ransac_umeyama"}) {
     EXPECT_THAT(all.output, HasSubstr(name));
   }
   EXPECT_THAT(run("list solvers").output, testing::Not(HasSubstr("cube")));

@@ -22,9 +22,10 @@ std::string study_error(const std::vector<std::string>& settings) {
 }
 
 TEST(Study, AllThatShipAreRead) {
-  ASSERT_THAT(study_names(), testing::IsSupersetOf({"boeing-table1", "boeing-random", "cube-noise",
-                                                    "cube-outliers", "orientation-points",
-                                                    "orientation-noise", "orientation-speed"}));
+  ASSERT_THAT(study_names(),
+              testing::IsSupersetOf({"boeing-table1", "boeing-random", "cube-noise",
+                                     "cube-outliers", "orientation-points", "orientation-noise",
+                                     "orientation-outliers", "orientation-speed"}));
   for (const std::string& name : study_names()) {
     const Study study = read_study(name);
     EXPECT_EQ(study.name, name);
