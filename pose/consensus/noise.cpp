@@ -43,9 +43,9 @@ NoisePosterior noise_posterior(double squares, double pairs) {
   posterior.log_evidence = -2 * k * x - 0.5 * pull - 0.5 * prior * (x - centre) * (x - centre) +
                            0.5 * std::log(2 * std::numbers::pi / curvature);
   posterior.most_probable = std::exp(2 * x);
-  // ln s of nu degrees of freedom has the curvature 2 nu.
-  const double degrees = 0.5 * curvature;
-  posterior.with_tails = posterior.most_probable * degrees / std::max(degrees - 2, 1.0);
+  // ln s of nu degrees of freedom has the curvature 2 nu. Below three the tails have no end.
+  const double degrees = std::max(0.5 * curvature, 3.0);
+  posterior.with_tails = posterior.most_probable * degrees / (degrees - 2);
   return posterior;
 }
 

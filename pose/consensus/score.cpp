@@ -17,6 +17,10 @@ constexpr std::size_t kMostScored = 1000;
 /// Parts of the image's area beyond which a radius does not count, for either score.
 constexpr double kWidest = 0.02;
 constexpr double kWidestTight = 2e-4;
+/// Agreement counts as significant within five deviations of noise that is known, and within a
+/// fiftieth of the image's width where it is not: data that are absurd agree more roughly.
+constexpr double kWidestDeviation = 5;
+constexpr double kWidestSignificant = 1e-3;
 /// The log odds that an inlier must have at least, so that outliers add nothing.
 constexpr double kLeastOdds = 2.2;
 /// The median residual of the points within t is about this part of it.
@@ -78,7 +82,7 @@ Score Scorer::known_noise() const {
   return score;
 }
 
-Score Scorer::any_noise(double least_square) const {
+Score Scorer::any_noise(double least_square, double widest) const {
   std::array<int, kBins + 1> counts = {};
   for (std::size_t i = 0; i < count_; ++i) {
     ++counts[bin_of(squares_[i] / static_cast<float>(cloud_.area(i)))];
@@ -91,7 +95,7 @@ Score Scorer::any_noise(double least_square) const {
     within += counts[bin];
     const double square = std::max(upper_edge(bin), least_square);
     const double chance = kPi * square;
-    if (chance > kWidest) break;
+    if (chance > widest) break;
     const double share = (within - 3) / others;
     if (within <= 3 || share <= chance) continue;
     const double total = others * divergence(share, chance);
@@ -107,13 +111,16 @@ Score Scorer::any_noise(double least_square) const {
 
 Score Scorer::score(const Pose& pose) {
   fill(pose, std::min(cloud_.size(), kMostScored));
-  return cloud_.is_sigma_known() ? known_noise() : any_noise(0);
+  return cloud_.is_sigma_known() ? known_noise() : any_noise(0, kWidest);
 }
 
 double Scorer::log_improbability(const Pose& pose) {
   fill(pose, cloud_.size());
-  const bool has_covariances = !cloud_.whitening.empty();
-  return any_noise(has_covariances ? 0 : cloud_.sigma * cloud_.sigma).total;
+  const bool is_plain = cloud_.whitening.empty();
+  const double noise2 = is_plain ? cloud_.sigma * cloud_.sigma : 0;
+  const double widest = noise2 > 0 ? kPi * kWidestDeviation * kWidestDeviation * noise2  //
+                                   : kWidestSignificant;
+  return any_noise(noise2, std::min(widest, kWidest)).total;
 }
 
 }  // namespace sightline::consensus

@@ -38,14 +38,14 @@ class Scorer {
 
   Score score(const Pose& pose);
 
-  /// The score of a radius-free kind, whether the noise is known or not. Radii are at least that
-  /// of the noise known. All points count.
+  /// The score for noise that is not known, by all points, whether it is known or not; of radii
+  /// that noise can explain: from one to five deviations of noise that is known.
   double log_improbability(const Pose& pose);
 
  private:
   void fill(const Pose& pose, std::size_t count);
   Score known_noise() const;
-  Score any_noise(double least_square) const;
+  Score any_noise(double least_square, double widest) const;
 
   const Cloud& cloud_;
   std::size_t count_ = 0;
