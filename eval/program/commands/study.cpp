@@ -44,7 +44,7 @@ struct StudyArguments {
 // Says how many trials a condition needs for intervals so wide, from a pilot of few.
 int plan_command(const StudyArguments& arguments) {
   remember_interrupts();
-  StudyOverrides overrides = arguments.run.overrides;
+  StudyOverrides overrides = overrides_of(arguments.run);
   if (!overrides.trials) overrides.trials = kPilotTrials;
   const Study study = read_study(arguments.study, overrides);
   RunOptions options = run_options(arguments.run);
