@@ -35,7 +35,7 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
 using Rooms = std::map<std::string, std::set<std::string>>;
 
 const Rooms kEvalRooms = {
-    {"benchmarks", {"study", "trial"}},
+    {"benchmarks", {"doors", "study", "trial"}},
     {"program",
      {"compare", "image_sets", "output", "report", "results", "run", "score", "study", "tables",
       "solve", "target", "work"}},
@@ -43,7 +43,8 @@ const Rooms kEvalRooms = {
     {"compare", {"output", "records", "results", "score", "statistics", "summary"}},
     {"score", {"datasets", "metrics", "output", "records", "report", "statistics"}},
     {"image_sets", {"datasets", "output", "study", "work"}},
-    {"run", {"datasets", "output", "report", "results", "study", "summary", "trial", "work"}},
+    {"run",
+     {"datasets", "doors", "output", "report", "results", "study", "summary", "trial", "work"}},
     {"report",
      {"output", "records", "statistics", "study", "summary", "tables", "target", "trial"}},
     {"tables", {"output", "study", "summary"}},
@@ -52,7 +53,7 @@ const Rooms kEvalRooms = {
     {"results", {"output", "records", "study"}},
     {"trial", {"datasets", "doors", "metrics", "records", "statistics", "study"}},
     {"study", {"datasets", "doors", "output", "records"}},
-    {"doors", {"datasets", "output", "records"}},
+    {"doors", {"datasets", "output", "records", "work"}},
     {"records", {}},
     {"datasets", {"output", "records"}},
     {"metrics", {}},

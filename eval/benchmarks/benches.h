@@ -15,7 +15,8 @@ Comparison register_alignment();
 Comparison register_outlier();
 Comparison register_pnp();
 Comparison register_render();
-/// Compares with nothing.
+/// These compare with nothing.
 void register_pipeline();
+void register_door();
 
 }  // namespace sightline

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,12 +18,15 @@
 
 namespace sightline {
 
+class ExternalProcess;
+
 /// What a guest is asked to find in one image.
 struct ExtractorQuestion {
   const cv::Mat& image;       ///< CV_8U or CV_16U
   double white;               ///< the image's greatest possible value
   const PredictedView& view;  ///< camera, and where the prior expects each feature
   TrialName trial;
+  std::filesystem::path picture = {};  ///< the image's file in a data set; empty: it is rendered
 };
 
 /// What it found: an observation a feature of the view, in their order; or why the trial failed.
@@ -37,6 +42,8 @@ struct TrialExtractor {
   std::string name;
   std::string summary;  ///< for the report: where its observations come from, how sure they are
   std::function<ExtractorAnswer(const ExtractorQuestion&)> extract;
+  /// That answers; null: none does. Only a run may ask it (eval/doors/external_process.h).
+  std::shared_ptr<ExternalProcess> process = nullptr;
 };
 
 /// Observations of the view's features that have found nothing yet (status kMissing), with what

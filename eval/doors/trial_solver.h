@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,6 +13,8 @@
 #include "pose/solver.h"
 
 namespace sightline {
+
+class ExternalProcess;
 
 /// What a solver is asked in one trial.
 struct SolverQuestion {
@@ -38,6 +41,8 @@ struct TrialSolver {
   /// Its estimates were made before, from the images as they are, so that it cannot be asked again
   /// with other points.
   bool is_recorded = false;
+  /// That answers; null: none does. Only a run may ask it (eval/doors/external_process.h).
+  std::shared_ptr<ExternalProcess> process = nullptr;
   std::function<SolverAnswer(const SolverQuestion&)> solve;
 };
 

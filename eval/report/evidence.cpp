@@ -201,9 +201,13 @@ cv::Rect region_of_interest(const Trial& trial, const std::map<std::string, Outl
 
 FrameEvidence evidence_of(const Study& study, const FrameChoice& choice, const TrialRecord& stored,
                           Renderer& renderer) {
+  const ImageStudy& images = *study.images();
   FrameEvidence evidence{choice.caption,
                          stored,
-                         run_image_trial(*study.images(), study.seed, choice.trial, renderer),
+                         // A report starts nobody's programs, though the study name them.
+                         images.asks_processes()
+                             ? recall_image_trial(images, study.seed, stored, renderer)
+                             : run_image_trial(images, study.seed, choice.trial, renderer),
                          {},
                          {}};
   Trial& trial = evidence.trial;

@@ -34,7 +34,10 @@ std::vector<FrameChoice> choose_frames(const Study& study, std::span<const Trial
 /// Runs the chosen trials again (they depend on nothing but the study and their number) and traces
 /// the target's outline in the pose of each solver that found one. On another machine or with
 /// another version of the program the re-run may differ from the stored trial: the caption says so.
-/// Ends early when the pictures would make a page too large to open at once.
+/// Of
+/// a study that asks processes the frames are made anew, but the answers are those recorded: a
+/// folder that came from elsewhere names commands, which reading it must not run. Ends early when
+/// the pictures would make a page too large to open at once.
 std::vector<FrameEvidence> gather_evidence(const Study& study, std::span<const TrialRecord> trials,
                                            Renderer& renderer);
 

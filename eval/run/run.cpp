@@ -10,6 +10,7 @@
 
 #include "eval/output/output_folder.h"
 #include "eval/results/store.h"
+#include "eval/run/asked_processes.h"
 #include "eval/run/manifest.h"
 #include "eval/run/run_folder.h"
 #include "eval/run/run_results.h"
@@ -95,6 +96,7 @@ int64_t run_jobs(const Study& study, const RunOptions& options, const OutputFold
   join_jobs(folder.staging(), store);
   const std::vector<bool> done = store.held(study.trial_count());
   const int64_t done_before = store.size();
+  const AskedProcesses processes(study, folder.staging());
   const ShardWork shard_work{
       .label = study.name,
       .shard = options.shard,
@@ -103,6 +105,7 @@ int64_t run_jobs(const Study& study, const RunOptions& options, const OutputFold
       .show_progress = options.show_progress,
   };
   run_shares(shard_work, [&](int job, const Shard& share, const Tick& tick) {
+    const AskedProcesses::Session session = processes.begin(job);
     if (shard_work.processes() == 1)
       return run_shard(study, share, options.renderer, done, store, tick);
     Store job_store = Store::create(folder / fmt::format("{}{}.sqlite", kJobPrefix, job),

@@ -32,7 +32,8 @@ struct RunResult {
 };
 
 /// Runs a study and leaves its folder: study.toml, manifest.json, results.sqlite, results.csv,
-/// summary.json, report.html, figures/, and timings.csv where times are taken. With jobs > 1 that
+/// summary.json, report.html, figures/, timings.csv where times are taken, and logs/
+/// of processes that were asked. With jobs > 1 that
 /// many processes do a share each. Everything is written beside `out` first and takes its name at
 /// the end. Trials are stored in batches of about a second. On failure the finished batches stay
 /// where there are any, for a run with `is_resumed` to continue, and nothing else; on an interrupt

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// [[estimates]], [[observations]] and the array `extractors`.
+// [[estimates]], [[observations]], [[external.solver]], [[external.extractor]] and the array
+// `extractors`.
 #include <algorithm>
 #include <iterator>
 #include <set>
@@ -10,6 +11,8 @@
 #include <fmt/format.h>
 
 #include "eval/doors/estimate_file.h"
+#include "eval/doors/external_extractor.h"
+#include "eval/doors/external_solver.h"
 #include "eval/study/guests.h"
 #include "eval/study/study_keys.h"
 #include "features/extractor.h"
@@ -38,6 +41,16 @@ Source read_source(const TomlTable& table) {
   return source;
 }
 
+// Makes a guest of a process; nothing is started.
+template <typename Source, typename Make>
+auto read_process(const TomlTable& table, const Source& source, const Make& make) {
+  try {
+    return make(source);
+  } catch (const InputError& error) {
+    table.fail("command", error.what());
+  }
+}
+
 }  // namespace
 
 std::vector<TrialSolver> read_guest_solvers(const TomlTable& study, const SightedSet* set,
@@ -54,6 +67,12 @@ std::vector<TrialSolver> read_guest_solvers(const TomlTable& study, const Sighte
     } catch (const InputError& error) {
       table.fail("file", fmt::format("cannot be used: {}", error.what()));
     }
+  }
+  for (const TomlTable& table : study.table("external").tables("solver")) {
+    const auto source = read_source<ProcessSource>(table);
+    require_new_name(table, source.name, taken);
+    taken.push_back(source.name);
+    solvers.push_back(read_process(table, source, external_solver));
   }
   std::move(given.begin(), given.end(), std::back_inserter(solvers));
   return solvers;
@@ -73,6 +92,14 @@ GuestExtractors::GuestExtractors(const TomlTable& study, const std::vector<Trial
     taken.push_back(source.name);
     names_.push_back(source.name);
     sources_.push_back(std::move(source));
+  }
+  for (const TomlTable& table : study.table("external").tables("extractor")) {
+    const auto source = read_source<ExtractorProcessSource>(table);
+    require_new_name(table, source.name, taken);
+    taken.push_back(source.name);
+    names_.push_back(source.name);
+    ready_[source.name] =
+        std::make_shared<const TrialExtractor>(read_process(table, source, external_extractor));
   }
 }
 

@@ -29,13 +29,13 @@ struct Guests {
 /// The word for the extractors that [extraction] names, one for each kind of feature.
 inline constexpr const char* kExtractorsByKind = "by_kind";
 
-/// The solvers of [[estimates]], then those that are `given`. `set` is the data set that the trials
-/// show, null where they are rendered or numeric. Throws InputError for a name that another solver
-/// has.
+/// The solvers of [[estimates]] and [[external.solver]], then those that are `given`. `set` is the
+/// data set that the trials show, null where they are rendered or numeric. Throws InputError for a
+/// name that another solver has.
 std::vector<TrialSolver> read_guest_solvers(const TomlTable& study, const SightedSet* set,
                                             std::vector<TrialSolver> given);
 
-/// The extractors of [[observations]], and those that are given.
+/// The extractors of [[observations]] and [[external.extractor]], and those that are given.
 class GuestExtractors {
  public:
   /// Throws InputError for a name that another extractor has.

@@ -232,7 +232,7 @@ ImageStudy read_image_study(const TomlTable& table, Use use, Study& common, cons
     if (use == Use::kRendering) table.fail("dataset", "has its images already");
     study.sighted = read_dataset(table, study.target, common.draws);
   }
-  if (use == Use::kTrials || table.has("solvers")) {
+  if (use == Use::kTrials || table.has("solvers") || table.table("external").has("solver")) {
     const SightedSet* const set = study.sighted ? study.sighted->set.get() : nullptr;
     study.solving = read_solving(table, "prior", read_guest_solvers(table, set, guests.solvers));
   }

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include "eval/doors/estimate_file.h"
+#include "eval/doors/external_extractor.h"
+#include "eval/doors/external_process.h"
 #include "eval/doors/observation_file.h"
 
 namespace sightline {
@@ -78,7 +80,8 @@ std::vector<Key> described_keys() {
        "",
        "who finds the features, a cell each: \"by_kind\" (those of [extraction]), one of "
        "`sightline "
-       "list extractors` for all that it can find, or a name of [[observations]]"},
+       "list extractors` for all that it can find, or a name of [[observations]] or "
+       "[[external.extractor]]"},
       {"",
        "methods",
        Described{"all but those for outliers", "names"},
@@ -361,12 +364,15 @@ std::vector<KeyText> study_keys() {
   ClaimLimits limits;
   ObservationSource observations;
   EstimateSource estimates;
+  ProcessSource solver_process;
+  ExtractorProcessSource extractor_process;
   std::vector<KeyText> all;
   for (const std::vector<Key>& keys :
        {described_keys(), point_keys(pairs), dataset_keys(source, bits), keys_of(setup.prior),
         extraction_keys(setup, bias_mesh_fraction), solver_keys(start, options),
         sigma_keys(is_sigma_known), scale_keys(estimates_scale), keys_of(planted), axis_keys(),
-        limit_keys(limits), keys_of(observations), keys_of(estimates)}) {
+        limit_keys(limits), keys_of(observations), keys_of(estimates), keys_of(solver_process),
+        keys_of(extractor_process)}) {
     for (KeyText& text : texts_of(keys, "")) all.push_back(std::move(text));
   }
   return all;

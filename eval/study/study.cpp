@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/study/study.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace sightline {
@@ -34,6 +36,15 @@ int64_t ImageStudy::draw_of(int64_t trial) const {
   const auto conditions = static_cast<int64_t>(cells.size());
   const auto poses_each = conditions / static_cast<int64_t>(setups.size());
   return trial / conditions * poses_each + cells[trial % conditions].pose;
+}
+
+bool ImageStudy::asks_processes() const {
+  const auto is_asked = [](const TrialSolver& solver) { return solver.process != nullptr; };
+  const auto has_asked_guest = [](const ImageSetup& setup) {
+    return setup.guest && setup.guest->process;
+  };
+  return std::any_of(solving.solvers.begin(), solving.solvers.end(), is_asked) ||
+         std::any_of(setups.begin(), setups.end(), has_asked_guest);
 }
 
 const Sighting& ImageStudy::sighting_of(int64_t trial) const {

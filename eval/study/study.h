@@ -142,6 +142,8 @@ struct ImageStudy : PoseStudy {
   int64_t draw_of(int64_t trial) const;
   /// The picture that a trial shows, as files of others name it.
   TrialName name_of(int64_t trial) const;
+  /// Whether trials ask processes, which only a run does.
+  bool asks_processes() const;
   /// What a trial shows whose image is a data set's.
   const Sighting& sighting_of(int64_t trial) const;
   /// The camera of a cell's trials; where their images are a data set's, of its first.

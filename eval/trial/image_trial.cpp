@@ -2,13 +2,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/trial/image_trial.h"
 
+#include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include "eval/datasets/set_frame.h"
+#include "eval/doors/trial_extractor.h"
 #include "eval/trial/estimates.h"
 #include "eval/trial/labels.h"
 #include "eval/trial/passes.h"
+#include "features/prediction.h"
 
 namespace sightline {
 namespace {
@@ -88,26 +92,66 @@ std::optional<Pose> prior_for(const ImageStudy& study, uint64_t seed, const Tria
                     study.setup_of(trial.record.condition).prior, stream);
 }
 
+// The first half of a trial: its scene, frame and prior. Returns why there is none of them.
+std::optional<EstimateOutcome> begin_trial(const ImageStudy& study, uint64_t seed, int64_t index,
+                                           Renderer& renderer, Trial& trial) {
+  TrialRecord& record = trial.record;
+  record.trial = index;
+  record.condition = static_cast<int>(index % study.cells.size());
+  const std::optional<EstimateOutcome> problem =
+      study.sighted ? read_frame(study, trial) : render_frame(study, seed, renderer, trial);
+  record.true_cam_from_target = trial.scene.cam_from_target;
+  if (problem) return problem;
+  const std::optional<Pose> prior = prior_for(study, seed, trial);
+  if (!prior) return EstimateOutcome::kNoPrior;
+  record.pose_trial().prior_cam_from_target = *prior;
+  return std::nullopt;
+}
+
+// What a process found in a trial's frame, as far as it is recorded.
+std::vector<Observation> recorded_observations(const ImageStudy& study, const Trial& trial,
+                                               std::span<const ObservationRecord> recorded) {
+  const PosePrior prior =
+      prior_of(trial.record.pose_trial().prior_cam_from_target, trial.scene.camera,
+               study.setup_of(trial.record.condition).prior);
+  std::vector<Observation> observations = missing_observations(
+      predict_features(*study.target, study.features, trial.scene.camera, prior));
+  for (size_t i = 0; i < std::min(observations.size(), recorded.size()); ++i) {
+    if (!recorded[i].is_found()) continue;
+    observations[i].status = ObservationStatus::kFound;
+    observations[i].pixel = recorded[i].pixel;
+  }
+  return observations;
+}
+
 }  // namespace
 
 Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Renderer& renderer) {
   Trial trial;
-  TrialRecord& record = trial.record;
-  record.trial = index;
-  record.condition = static_cast<int>(index % study.cells.size());
-  std::optional<EstimateOutcome> problem =
-      study.sighted ? read_frame(study, trial) : render_frame(study, seed, renderer, trial);
-  record.true_cam_from_target = trial.scene.cam_from_target;
-  if (!problem) {
-    const std::optional<Pose> prior = prior_for(study, seed, trial);
-    if (prior) record.pose_trial().prior_cam_from_target = *prior;
-    if (!prior) problem = EstimateOutcome::kNoPrior;
-  }
-  if (problem) {
-    record.pose_trial().estimates = failed_estimates(study.solving, *problem);
+  if (const auto problem = begin_trial(study, seed, index, renderer, trial)) {
+    trial.record.pose_trial().estimates = failed_estimates(study.solving, *problem);
     return trial;
   }
   extract_and_solve(study, seed, trial, renderer);
+  return trial;
+}
+
+Trial recall_image_trial(const ImageStudy& study, uint64_t seed, const TrialRecord& recorded,
+                         Renderer& renderer) {
+  Trial trial;
+  PoseTrial& pose_trial = trial.record.pose_trial();
+  if (!begin_trial(study, seed, recorded.trial, renderer, trial)) {
+    const auto& guest = study.setup_of(trial.record.condition).guest;
+    if (guest && guest->process) {
+      trial.observations = recorded_observations(study, trial, recorded.observations());
+      pose_trial.observations = recorded.pose_trial().observations;
+    } else {
+      trial.observations =
+          extract(study, trial.record, trial.scene, trial.frame.image, renderer).observations;
+      pose_trial.observations = compare_with_truth(study, trial);
+    }
+  }
+  pose_trial.estimates = recorded.pose_trial().estimates;
   return trial;
 }
 

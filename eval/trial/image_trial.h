@@ -25,6 +25,12 @@ struct Trial {
 /// else: the same in any shard, order or process.
 Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Renderer& renderer);
 
+/// A trial with the evidence behind what is recorded of it, of a study that asks processes: its
+/// scene and frame are made anew, and what the program's own extractors find in it; what processes
+/// answered, and what the solvers made of it, is as recorded. It asks no process.
+Trial recall_image_trial(const ImageStudy& study, uint64_t seed, const TrialRecord& recorded,
+                         Renderer& renderer);
+
 /// The second half of run_image_trial: what is extracted from the trial's frame around its prior,
 /// how that stands against the truth, and what the solvers make of it.
 void extract_and_solve(const ImageStudy& study, uint64_t seed, Trial& trial, Renderer& renderer);

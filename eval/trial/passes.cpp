@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -137,11 +138,13 @@ void remove_bias(const Task& task, const cv::Mat& rendering, const PosePrior& po
   }
 }
 
-Extraction ask_guest(const Task& task, const TrialName& trial, const cv::Mat& image,
+Extraction ask_guest(const Task& task, int64_t trial, const cv::Mat& image,
                      const PosePrior& prior) {
-  const PredictedView view =
-      predict_features(*task.study.target, task.study.features, task.camera, prior);
-  ExtractorAnswer answer = task.setup.guest->extract({image, task.white, view, trial});
+  const ImageStudy& study = task.study;
+  const PredictedView view = predict_features(*study.target, study.features, task.camera, prior);
+  const auto picture = study.sighted ? study.sighting_of(trial).picture : std::filesystem::path();
+  ExtractorAnswer answer =
+      task.setup.guest->extract({image, task.white, view, study.name_of(trial), picture});
   if (answer.problem) answer.observations = missing_observations(view);
   return {std::move(answer.observations), prior.cam_from_target, answer.problem};
 }
@@ -182,7 +185,7 @@ Extraction extract(const ImageStudy& study, const TrialRecord& record, const Sce
   const Task task{study, setup, scene.camera, std::exp2(scene.sensor.bits) - 1};
   const PosePrior prior =
       prior_of(record.pose_trial().prior_cam_from_target, scene.camera, setup.prior);
-  if (setup.guest) return ask_guest(task, study.name_of(record.trial), image, prior);
+  if (setup.guest) return ask_guest(task, record.trial, image, prior);
   return extract_in_passes(task, scene, image, prior, renderer);
 }
 
