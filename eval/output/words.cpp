@@ -30,4 +30,11 @@ std::string words(std::string_view status) {
   return text;
 }
 
+std::string in_one_line(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r' || c == '\t') c = ' ';
+  }
+  return text;
+}
+
 }  // namespace sightline

@@ -10,6 +10,7 @@
 #include <malloc.h>
 #include <opencv2/core.hpp>
 
+#include "eval/output/words.h"
 #include "eval/program/commands.h"
 #include "eval/work/interrupt.h"
 #include "scenes/files/input_error.h"
@@ -23,14 +24,6 @@ constexpr int kInterruptedExit = 130;  // as shells say it
 std::string command_line(int argc, char** argv) {
   std::string text = "sightline";
   for (int i = 1; i < argc; ++i) text += fmt::format(" {}", argv[i]);
-  return text;
-}
-
-// What users and libraries put into a text may hold line ends; an error is one line.
-std::string in_one_line(std::string text) {
-  for (char& c : text) {
-    if (c == '\n' || c == '\r' || c == '\t') c = ' ';
-  }
   return text;
 }
 
@@ -66,13 +59,13 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageExit;
   } catch (const sightline::Interrupted& interrupted) {
-    std::cerr << "\nsightline: " << in_one_line(interrupted.what()) << '\n';
+    std::cerr << "\nsightline: " << sightline::in_one_line(interrupted.what()) << '\n';
     return kInterruptedExit;
   } catch (const std::bad_alloc&) {
     std::cerr << "sightline: out of memory\n";
     return kInputErrorExit;
   } catch (const std::exception& error) {
-    std::cerr << "sightline: " << in_one_line(error.what()) << '\n';
+    std::cerr << "sightline: " << sightline::in_one_line(error.what()) << '\n';
     return kInputErrorExit;
   }
 }
