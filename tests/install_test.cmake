@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 #
 # cmake -D BUILD=<build folder> -D SOURCE=<this folder> -D WORK=<scratch> -D GENERATOR=<generator>
-#       -P install_test.cmake
+#       -D PYTHON=<interpreter, or nothing> -D PYTHON_FOLDER=<of packages> -P install_test.cmake
 # GENERATOR is that of the build itself: of CMake's default the machine may lack the program.
 # Installs the build, builds and runs a program against the installed pose/, and runs the installed
-# `sightline` (if there is one) with the installed assets alone.
+# `sightline` and the Python module (if there are) with the installed assets alone.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output
                   ERROR_VARIABLE output)
@@ -37,6 +37,13 @@ if(EXISTS ${WORK}/installed/bin/sightline)
   run(${WORK}/installed/bin/sightline list targets)
   if(NOT output MATCHES "boeing707" OR output MATCHES "cube")
     message(FATAL_ERROR "the installed program does not list the installed targets:\n${output}")
+  endif()
+endif()
+if(PYTHON)
+  run(${CMAKE_COMMAND} -E env PYTHONPATH=${WORK}/installed/${PYTHON_FOLDER} ${PYTHON} -B -c
+      "import sightline as sl, numpy as np; print(*sl.targets(), sl.align(np.eye(3), np.eye(3)).status)")
+  if(NOT output STREQUAL "boeing707 ok\n")
+    message(FATAL_ERROR "the installed Python module does not know the installed targets:\n${output}")
   endif()
 endif()
 file(REMOVE_RECURSE ${WORK})

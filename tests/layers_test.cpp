@@ -29,6 +29,7 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"renderer", {"renderer", "scenes", "pose"}},
     {"features", {"features", "scenes", "pose"}},
     {"eval", {"eval", "features", "renderer", "scenes", "pose"}},
+    {"python", {"python", "eval", "features", "renderer", "scenes", "pose"}},
 };
 
 /// The rooms within a folder and which other rooms of the folder each may include.
@@ -62,6 +63,9 @@ const Rooms kEvalRooms = {
     {"statistics", {}},
     {"jobs", {}},
 };
+
+/// The folders of python/ that hold sources: the extension module alone.
+const Rooms kPythonRooms = {{"module", {}}};
 
 const Rooms kScenesRooms = {
     {"builders", {"files", "mesh", "target"}},
@@ -156,6 +160,7 @@ TEST(Layers, AForbiddenArrowWouldBeSeen) {
   EXPECT_FALSE(is_allowed("features", {"features/x.cpp", "renderer/frame.h", true}));
   EXPECT_FALSE(is_allowed("features", {"features/x.cpp", "renderer/frame.h", false}));
   EXPECT_FALSE(is_allowed("pose", {"pose/x.cpp", "scenes/mesh.h", true}));
+  EXPECT_FALSE(is_allowed("eval", {"eval/x.cpp", "python/module/arrays.h", true}));
   EXPECT_TRUE(is_allowed("pose", {"pose/x.cpp", "Eigen/Core", false}));
   EXPECT_TRUE(is_heavy({"scenes/x.h", "assimp/scene.h", false}));
 }
@@ -210,6 +215,7 @@ TEST(Layers, RoomsFollowTheirArrows) {
   expect_rooms("eval", kEvalRooms);
   expect_rooms("scenes", kScenesRooms);
   expect_rooms("pose", kPoseRooms);
+  expect_rooms("python", kPythonRooms);
 }
 
 TEST(Layers, AForbiddenArrowBetweenRoomsWouldBeSeen) {

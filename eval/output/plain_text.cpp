@@ -77,6 +77,13 @@ std::string plain_line(std::string_view text) {
   return without_controls(text, "");
 }
 
+std::string in_one_line(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r' || c == '\t') c = ' ';
+  }
+  return plain_line(text);
+}
+
 std::string plain_text(std::string_view text) {
   return without_controls(text, "\n\r\t");
 }

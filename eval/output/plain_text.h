@@ -16,7 +16,11 @@ namespace sightline {
 /// beyond ASCII, U+FFFD. For terminals, gnuplot, XML and whoever else takes lines.
 std::string plain_line(std::string_view text);
 
-/// The same, but line ends and tabs stay: for texts of several lines.
+/// The same with blanks for line ends and tabs: what users and libraries put into the text of an
+/// error may hold some, and an error is one line.
+std::string in_one_line(std::string text);
+
+/// The same as plain_line, but line ends and tabs stay: for texts of several lines.
 std::string plain_text(std::string_view text);
 
 /// The text as it may stand in a line or a table's cell of Markdown: plain_line, with what would be

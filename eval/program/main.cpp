@@ -59,13 +59,13 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kUsageExit;
   } catch (const sightline::Interrupted& interrupted) {
-    std::cerr << "\nsightline: " << sightline::plain_line(interrupted.what()) << '\n';
+    std::cerr << "\nsightline: " << sightline::in_one_line(interrupted.what()) << '\n';
     return kInterruptedExit;
   } catch (const std::bad_alloc&) {
     std::cerr << "sightline: out of memory\n";
     return kInputErrorExit;
   } catch (const std::exception& error) {
-    std::cerr << "sightline: " << sightline::plain_line(error.what()) << '\n';
+    std::cerr << "sightline: " << sightline::in_one_line(error.what()) << '\n';
     return kInputErrorExit;
   }
 }

@@ -24,10 +24,17 @@ namespace sightline {
 struct Guests {
   std::vector<TrialSolver> solvers;
   std::vector<TrialExtractor> extractors;
+  /// Whether functions that the file names may be absent, for what they gave is there already:
+  /// others stand in for them, which answer nothing.
+  bool may_be_absent = false;
 };
 
 /// The word for the extractors that [extraction] names, one for each kind of feature.
 inline constexpr const char* kExtractorsByKind = "by_kind";
+
+/// The guests that are given and, where they may be absent, stand-ins for those of [functions] that
+/// are not. Throws InputError for a name of [functions] that is nobody's.
+Guests with_functions(const TomlTable& study, Guests given);
 
 /// The solvers of [[estimates]] and [[external.solver]], then those that are `given`. `set` is the
 /// data set that the trials show, null where they are rendered or numeric. Throws InputError for a

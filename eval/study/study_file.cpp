@@ -40,8 +40,9 @@ void require_file_name(const TomlTable& table, const std::string& name) {
 }
 
 Study read_table(const TomlTable& table, const std::string& fallback_name, Use use,
-                 const Guests& guests) {
+                 const Guests& given) {
   Study study;
+  const Guests guests = with_functions(table, given);
   const std::vector<std::string> kinds = {"images", "numeric", "orientation"};
   const std::string kind = table.choice("kind", kinds, kinds[0]);
   if (use == Use::kRendering && kind != kinds[0]) {

@@ -3,12 +3,15 @@
 #include "eval/work/interrupt.h"
 
 #include <csignal>
+#include <utility>
 
 namespace sightline {
 namespace {
 
 // A signal handler can reach nothing but a global of this type.
 volatile std::sig_atomic_t was_interrupted = 0;
+
+thread_local InterruptWatch* innermost_watch = nullptr;
 
 void remember(int signal) {
   was_interrupted = 1;
@@ -26,8 +29,21 @@ void remember_interrupts() {
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);
 }
 
+InterruptWatch::InterruptWatch(std::function<bool()> has_come)
+    : ask_(std::move(has_come)), outer_(std::exchange(innermost_watch, this)) {}
+
+InterruptWatch::~InterruptWatch() {
+  innermost_watch = outer_;
+}
+
+bool InterruptWatch::has_come() {
+  has_come_ = has_come_ || ask_() || (outer_ != nullptr && outer_->has_come());
+  return has_come_;
+}
+
 void stop_if_interrupted() {
   if (was_interrupted != 0) throw Interrupted();
+  if (innermost_watch != nullptr && innermost_watch->has_come()) throw Interrupted();
 }
 
 }  // namespace sightline

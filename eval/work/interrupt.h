@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <stdexcept>
 
 namespace sightline {
@@ -17,6 +18,23 @@ class Interrupted : public std::runtime_error {
 /// From here on the first signal that asks the process to end is remembered instead, so that long
 /// work can stop between two steps and leave nothing half-written. For the commands that write.
 void remember_interrupts();
+
+/// As long as it lives, stop_if_interrupted() of this thread also asks `has_come`, until that says
+/// yes: for whoever embeds this program and has signal handlers of its own.
+class InterruptWatch {
+ public:
+  explicit InterruptWatch(std::function<bool()> has_come);
+  ~InterruptWatch();
+  InterruptWatch(const InterruptWatch&) = delete;
+  InterruptWatch& operator=(const InterruptWatch&) = delete;
+
+  bool has_come();
+
+ private:
+  std::function<bool()> ask_;
+  bool has_come_ = false;
+  InterruptWatch* outer_;  // of the same thread
+};
 
 /// Throws Interrupted once a signal has come.
 void stop_if_interrupted();

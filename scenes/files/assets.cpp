@@ -14,6 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+fs::path folder_to_use;  // empty: none was named
+
 bool is_path(const std::string& text) {
   return text.find('/') != std::string::npos || fs::path(text).has_extension();
 }
@@ -34,10 +36,15 @@ fs::path assets_folder() {
     if (fs::is_directory(fs::path(folder) / "targets", error)) return folder;
     throw InputError(fmt::format("SIGHTLINE_ASSETS={}: is no folder with targets", folder));
   }
+  if (!folder_to_use.empty()) return folder_to_use;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   const fs::path installed = program.parent_path().parent_path() / "share" / "sightline";
   if (!error && fs::is_directory(installed / "targets", error)) return installed;
   return SIGHTLINE_ASSETS_DIR;
+}
+
+void use_assets(const fs::path& folder) {
+  folder_to_use = folder;
 }
 
 std::vector<std::string> target_names() {

@@ -9,9 +9,12 @@
 namespace sightline {
 
 /// Where the shipped targets, studies and the report's page lie: the folder named by the
-/// environment variable SIGHTLINE_ASSETS, else share/sightline beside the installed program, else
-/// the source tree's assets/.
+/// environment variable SIGHTLINE_ASSETS, else the one that is to be used, else share/sightline
+/// beside the installed program, else the source tree's assets/.
 std::filesystem::path assets_folder();
+
+/// Names the folder to be used, for whoever is not the installed program but knows where that is.
+void use_assets(const std::filesystem::path& folder);
 
 /// The names of the shipped targets (folders with a target.toml) and studies (.toml), sorted.
 std::vector<std::string> target_names();

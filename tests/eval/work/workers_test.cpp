@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include "eval/work/interrupt.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -57,6 +58,20 @@ TEST(Workers, ACrashEndsTheOthersAndIsSaid) {
                 raise(SIGKILL);
               }),
               HasSubstr("signal 9"));
+}
+
+TEST(InterruptWatch, SaysYesForGoodAndToItsOwnScopeAlone) {
+  int asked = 0;
+  {
+    const InterruptWatch watch([&asked] { return ++asked == 2; });
+    EXPECT_NO_THROW(stop_if_interrupted());
+    EXPECT_THROW(stop_if_interrupted(), Interrupted);
+    EXPECT_THROW(stop_if_interrupted(), Interrupted) << "a signal that has come does not go";
+    EXPECT_EQ(asked, 2);
+    const InterruptWatch inner([] { return false; });
+    EXPECT_THROW(stop_if_interrupted(), Interrupted) << "the outer one still counts";
+  }
+  EXPECT_NO_THROW(stop_if_interrupted());
 }
 
 }  // namespace
