@@ -47,7 +47,8 @@ std::vector<std::pair<std::string, double>> summary_numbers(const BopSummary& su
       {"ar", summary.ar.value},
       {"ar_mssd", summary.ar_mssd.value},
       {"ar_mspd", summary.ar_mspd.value},
-      {"ar_vsd", summary.ar_vsd.value}};
+      {"ar_vsd", summary.ar_vsd.value},
+      {"add_s_recall", summary.add_s.value}};
   for (const SummaryMeasure& measure : summary_measures()) {
     if (const auto* recall = std::get_if<RecallMeasure>(&measure)) {
       numbers.emplace_back(recall->key, (summary.*recall->summary).value);

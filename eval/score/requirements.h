@@ -15,7 +15,8 @@
 namespace sightline {
 
 /// The figures of a summary by the names that scores.json has: "ar", "add_recall",
-/// "geodesic_deg.median", and "failure_rate", the share of targets without an estimate.
+/// "geodesic_deg.median"; "failure_rate", the share of targets without an estimate; and ADD(-S) as
+/// "add_s_recall".
 std::vector<std::pair<std::string, double>> summary_numbers(const BopSummary& summary);
 
 struct Requirement {

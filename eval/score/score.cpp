@@ -108,6 +108,7 @@ class Group {
       targets[column].image = image_index;
       targets[column].instance = instances_[column];
       targets[column].obj_id = obj_id;
+      targets[column].is_symmetric = model_.symmetries.size() > 1;
       for (size_t row = 0; row < counting_.size(); ++row) {
         targets[column].pairs.push_back(pairs_[row * instances_.size() + column]);
       }
@@ -235,6 +236,7 @@ void add_recalls(std::span<const BopTarget* const> targets, bool has_vsd, BopSum
     s.ar = mean_over(
         targets, [](const BopTarget& t) { return recalls_of(t).mean(); }, "ar");
   }
+  s.add_s = rate_over(targets, is_add_s_good);
   for (int i = 0; i < kBopThresholds; ++i) {
     s.mssd_recalls[i] = rate_over(targets, [i](const BopTarget& t) { return t.mssd[i]; }).value;
     s.mspd_recalls[i] = rate_over(targets, [i](const BopTarget& t) { return t.mspd[i]; }).value;
@@ -272,6 +274,10 @@ TargetRecalls recalls_of(const BopTarget& target) {
   for (const BopPasses& passes : target.vsd) recalls.vsd += share_of(passes);
   recalls.vsd /= kBopThresholds;
   return recalls;
+}
+
+bool is_add_s_good(const BopTarget& target) {
+  return target.is_symmetric ? target.is_adi_good : target.is_add_good;
 }
 
 BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> estimates,

@@ -60,6 +60,7 @@ struct BopTarget {
   std::array<BopPasses, kBopThresholds> vsd{};  ///< [tau][theta]
   bool is_add_good = false;                     ///< below a tenth of the diameter
   bool is_adi_good = false;
+  bool is_symmetric = false;     ///< its object looks alike in several poses
   std::vector<BopPair> pairs;    ///< with every estimate that counts
   std::optional<size_t> chosen;  ///< of those the one that our own errors are of, if any
 };
@@ -80,6 +81,10 @@ struct TargetRecalls {
 };
 
 TargetRecalls recalls_of(const BopTarget& target);
+
+/// ADD(-S) (Xiang et al., "PoseCNN", RSS 2018): below a tenth of the diameter by ADI where the
+/// object has symmetries, else by ADD.
+bool is_add_s_good(const BopTarget& target);
 
 /// Scores estimates as the BOP challenge of 2019 and later does (task: localisation of a known
 /// number of instances): of every object in an image count as many estimates as instances are asked
@@ -110,6 +115,7 @@ struct BopSummary {
   int64_t estimated = 0;  ///< targets that have an estimate
   BopRate ar, ar_mssd, ar_mspd, ar_vsd;
   BopRate add, adi;  ///< recall at a tenth of the diameter
+  BopRate add_s;     ///< ADD(-S): ADI of objects with symmetries, ADD of the others
   BopRate projection_5px, within_5deg_5cm;
   std::array<double, kBopThresholds> mssd_recalls{}, mspd_recalls{};
   ErrorSummary theta_error_deg, t_error_percent, geodesic_deg;  ///< a missed one has failed

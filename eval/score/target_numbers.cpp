@@ -67,6 +67,13 @@ std::vector<TargetNumber> all_target_numbers() {
   for (const SummaryMeasure& measure : summary_measures()) {
     if (const auto* flag = std::get_if<RecallMeasure>(&measure)) numbers.push_back(recall(*flag));
   }
+  numbers.push_back({.name = "add_s_recall",
+                     .meaning = "ADD(-S) < 0.1 d: ADI of objects with symmetries, else ADD",
+                     .kind = TargetNumberKind::kFlag,
+                     .of = [](const BopScores& scores, const BopTarget& target) {
+                       return scores.has_models ? static_cast<double>(is_add_s_good(target))
+                                                : kNoNumber;
+                     }});
   for (const PairMeasure& measure : pair_measures()) {
     if (!measure.column.starts_with("is_")) numbers.push_back(error(measure));
   }
@@ -78,6 +85,8 @@ std::vector<TargetNumber> all_target_numbers() {
 bool is_called(std::string_view given, std::string_view name) {
   std::string lower;
   for (const char c : given) lower += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  if (lower == "add(-s)") lower = "add_s";
+  if (lower == "add-s") lower = "adi";
   return lower == name || lower + "_recall" == name;
 }
 

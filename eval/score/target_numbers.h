@@ -30,7 +30,8 @@ struct TargetNumber {
   std::function<double(const BopScores& scores, const BopTarget& target)> of;
 };
 
-/// Whether somebody means the figure of this name: "AR" is "ar", and "ADD" is "add_recall".
+/// Whether somebody means the figure of this name: "AR" is "ar", "ADD" is "add_recall",
+/// "ADD(-S)" is "add_s_recall" and "ADD-S" is "adi_recall".
 bool is_called(std::string_view given, std::string_view name);
 
 /// All: average recalls, recalls, errors; the last two by the tables of measures.h.

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/score/requirements.h"
 
+#include <numbers>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -63,6 +65,20 @@ TEST(Requirements, AreMetOrNot) {
             "mine: add_recall is 0.5, must be 0.9 or more");
   EXPECT_EQ(to_text(half.check("add_recall>=0.5")[0]),
             "mine: add_recall is 0.5, which is 0.5 or more");
+}
+
+// Turned by a quarter about z every vertex of the cube lies where another was: ADI is 0, and ADD is
+// far too great, which counts unless the cube is said to have that symmetry.
+TEST(Requirements, AddSKnowsWhichObjectsHaveSymmetries) {
+  HalfFound half;
+  half.estimates[0].cam_from_model = at_1000_mm(turn_z(std::numbers::pi / 2));
+  half.scores = score_bop(half.dataset, half.estimates, 15);
+  EXPECT_EQ(half.check("ADD-S>=0.5").at(0).value, 0.5);
+  EXPECT_EQ(half.check("ADD(-S)>=0.5").at(0).value, 0);
+  half.dataset.models.at(1).symmetries.push_back({turn_z(std::numbers::pi / 2), {0, 0, 0}});
+  half.scores = score_bop(half.dataset, half.estimates, 15);
+  EXPECT_EQ(half.check("ADD(-S)>=0.5").at(0).value, 0.5);
+  EXPECT_EQ(half.check("ADD>=0.5").at(0).value, 0);
 }
 
 TEST(Requirements, AreTestCasesOfJUnit) {
