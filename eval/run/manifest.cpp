@@ -17,7 +17,6 @@ namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 constexpr const char* kManifestFile = "manifest.json";
 
@@ -36,7 +35,7 @@ std::string machine() {
 
 }  // namespace
 
-Json manifest_of(const Study& study, const std::string& command) {
+nlohmann::json manifest_of(const Study& study, const std::string& command) {
   return {{"version", SIGHTLINE_VERSION},
           {"study", study.name},
           {"seed", study.seed},
@@ -47,16 +46,16 @@ Json manifest_of(const Study& study, const std::string& command) {
            fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::chrono::system_clock::now()))}};
 }
 
-Json read_manifest(const fs::path& run) {
+nlohmann::json read_manifest(const fs::path& run) {
   std::ifstream stream(run / kManifestFile);
-  return Json::parse(stream, nullptr, /*allow_exceptions=*/false);
+  return nlohmann::json::parse(stream, nullptr, /*allow_exceptions=*/false);
 }
 
-void write_manifest(const Json& manifest, const fs::path& run) {
+void write_manifest(const nlohmann::json& manifest, const fs::path& run) {
   write_file(run / kManifestFile, manifest.dump(2) + "\n");
 }
 
-std::map<std::string, std::string> as_texts(const Json& manifest) {
+std::map<std::string, std::string> as_texts(const nlohmann::json& manifest) {
   std::map<std::string, std::string> texts;
   if (!manifest.is_object()) return texts;
   for (const auto& [key, value] : manifest.items()) {
