@@ -124,7 +124,7 @@ TEST_F(AskedProcess, MayBeAnExtractorBesideOthers) {
     EXPECT_FALSE(fs::exists(fs::path(image).parent_path()));
   }
   EXPECT_EQ(count, kTrials - 1);
-  EXPECT_THAT(read_whole(path("run") + "/report.html"), HasSubstr("the process: python3"));
+  EXPECT_THAT(read_whole(path("run") + "/report.html"), HasSubstr("moody_client.py"));
 }
 
 TEST_F(AskedProcess, ReadsThePicturesOfADataSetWhereTheyAre) {
