@@ -44,7 +44,7 @@ class AskedProcess : public testing::Test {
   Outcome study(const std::string& out, const std::string& more) const {
     return run(
         fmt::format("study boeing-random --trials {} --seed 4 --quiet --out {} "
-                    "--set solvers=[lspe] {}",
+                    "--set \"solvers=['lspe']\" {}",
                     kTrials, path(out), more));
   }
   // The rows of a run by solver and trial, each a value of that column.
@@ -124,7 +124,7 @@ TEST_F(AskedProcess, MayBeAnExtractorBesideOthers) {
     EXPECT_FALSE(fs::exists(fs::path(image).parent_path()));
   }
   EXPECT_EQ(count, kTrials - 1);
-  EXPECT_THAT(read_whole(path("run") + "/report.html"), HasSubstr("the process: python3"));
+  EXPECT_THAT(read_whole(path("run") + "/report.html"), HasSubstr("moody_client.py"));
 }
 
 TEST_F(AskedProcess, ReadsThePicturesOfADataSetWhereTheyAre) {
@@ -151,7 +151,7 @@ TEST_F(AskedProcess, ReadsThePicturesOfADataSetWhereTheyAre) {
 TEST_F(AskedProcess, ANumericStudyAsksItToo) {
   const Outcome outcome =
       run("study cube-noise --trials 2 --quiet --set 'solver.start=prior' "
-          "--set 'sweep.noise_px=[1]' --set solvers=[lspe] --out " +
+          "--set 'sweep.noise_px=[1]' --set \"solvers=['lspe']\" --out " +
           path("run") + solver("good"));
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_EQ(column("run", "status")["mine"], std::vector<std::string>(2, "ok"));
@@ -206,7 +206,7 @@ TEST_F(AskedProcess, EndsWithTheProgramHoweverThatEnds) {
       const std::string started = path("started-" + signal + jobs);
       // A shell stands between, which the process outlives where nobody sees to it.
       const Outcome outcome = run_shell(fmt::format(
-          "{} study boeing-random --trials 4 --quiet --jobs {} --out {} --set solvers=[lspe] "
+          "{} study boeing-random --trials 4 --quiet --jobs {} --out {} --set \"solvers=['lspe']\" "
           "--solver mine='sh -c \"{}; true\"' > {} 2>&1 & program=$!; "
           "for i in $(seq 1000); do grep -qs hang {}/.run-{}{}.partial/logs/*.log && break; "
           "sleep 0.05; done; sleep 0.5; kill -{} $program; wait $program; "
