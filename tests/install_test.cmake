@@ -21,14 +21,14 @@ run(${CMAKE_COMMAND} -G "${GENERATOR}" -S ${SOURCE}/consumer -B ${WORK}/consumer
     -D CMAKE_PREFIX_PATH=${WORK}/installed -D CMAKE_CXX_FLAGS=${FLAGS})
 run(${CMAKE_COMMAND} --build ${WORK}/consumer)
 run(${WORK}/consumer/consumer)
-# The README shows this program and what it prints.
-file(READ ${SOURCE}/../README.md readme)
+# The page about embedding shows this program and what it prints.
+file(READ ${SOURCE}/../docs/embedding.md page)
 file(READ ${SOURCE}/consumer/main.cpp example)
 string(REGEX REPLACE "^(//[^\n]*\n)+" "" example "${example}")
 foreach(shown IN ITEMS "${example}" "${output}")
-  string(FIND "${readme}" "${shown}" place)
+  string(FIND "${page}" "${shown}" place)
   if(place EQUAL -1)
-    message(FATAL_ERROR "the README does not show:\n${shown}")
+    message(FATAL_ERROR "docs/embedding.md does not show:\n${shown}")
   endif()
 endforeach()
 if(EXISTS ${WORK}/installed/bin/sightline)
