@@ -17,6 +17,8 @@ constexpr std::array kCatalogue = {
                solve_orpe},
     PoseSolver{"orpe_calibrated", "minimax with outward tests at a stated false-alarm rate", false,
                solve_orpe_calibrated},
+    PoseSolver{"orpe_consensus", "a largest set of points whose minimax passes for noise", false,
+               solve_orpe_consensus},
     PoseSolver{"orpe_tree", "the fewest removals whose minimax passes for noise", false,
                solve_orpe_tree},
     PoseSolver{"orpe_weighed", "every small set of removals, weighed by likelihood", false,

@@ -80,22 +80,22 @@ struct PoseEstimate {
   /// From the comparators (pose/robust.h), where there are covariances, for noise of those.
   Matrix6d unit_covariance = Matrix6d::Zero();
   /// Covariance of (w, dt) as the solver itself believes it, noise of its true size and doubt about
-  /// the outliers included. Only consensus and orpe_weighed have one; of the others,
-  /// unit_covariance times the noise's variance is the covariance.
+  /// the outliers included. Only consensus, orpe_consensus and orpe_weighed have one;
+  /// of the others, unit_covariance times the noise's variance is the covariance.
   std::optional<Matrix6d> covariance;
   std::optional<Diagnosis> diagnosis;  ///< none from solvers that do not judge their own answer
   int iterations = 0;                  ///< of the innermost optimiser, all calls together
   /// Points that could not be used (a number that is not finite, a pixel that the lens model cannot
   /// undo, a covariance that is not positive definite), ascending; also where the status is not ok.
-  /// Only consensus leaves such points out; the others refuse them.
+  /// Only consensus and orpe_consensus leave such points out; the others refuse them.
   std::vector<int> ignored;
   /// The probability of each point to be an inlier, 0 of those ignored. Only from consensus.
   std::optional<std::vector<double>> inlier_probabilities;
   /// Another pose that explains the points nearly as well, where the diagnosis says that there is
-  /// one. Only from consensus.
+  /// one. Only from consensus and orpe_consensus.
   std::optional<Pose> second_cam_from_target;
   /// The standard deviation of an inlier's noise in each coordinate, as the solver was told or
-  /// found it; with covariances in their units. Only from consensus.
+  /// found it; with covariances in their units. Only from consensus and orpe_consensus.
   std::optional<double> noise_px;
   /// Root mean square of the residuals of the points that are kept, in each coordinate. Only from
   /// consensus.

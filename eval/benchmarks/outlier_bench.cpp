@@ -3,7 +3,9 @@
 //
 // outlier/<solver>/<points>: every solver of the catalogue, start-free, on points with noise of 1
 // px and one outlier. outlier/orpe_weighed/8/k=<outliers>: the same with 0 to 3 outliers.
+// outlier/consensus/<points>/<share>: with this percentage of outliers.
 #include <string>
+#include <utility>
 
 #include <benchmark/benchmark.h>
 
@@ -43,6 +45,11 @@ Comparison register_outlier() {
   for (const int outliers : {0, 1, 2, 3}) {
     add(*find_pose_solver("orpe_weighed"), {.points = 8, .outliers = outliers},
         "outlier/orpe_weighed/8/k=" + std::to_string(outliers));
+  }
+  for (const auto& [points, share] :
+       {std::pair(8, 25), {12, 50}, {50, 50}, {200, 90}, {1000, 50}}) {
+    add(*find_pose_solver("consensus"), {.points = points, .outliers = points * share / 100},
+        "outlier/consensus/" + std::to_string(points) + "/" + std::to_string(share));
   }
   return {"outlier", "orpe_weighed", {"huber_tukey", "gnc", "ransac_p3p", "opencv_ransac"}};
 }

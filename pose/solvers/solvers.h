@@ -22,6 +22,7 @@ PoseEstimate solve_opencv_ransac(const PoseProblem& problem, const SolverOptions
 PoseEstimate solve_oracle(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_orpe_calibrated(const PoseProblem& problem, const SolverOptions& options);
+PoseEstimate solve_orpe_consensus(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_orpe_tree(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_orpe_weighed(const PoseProblem& problem, const SolverOptions& options);
 PoseEstimate solve_ransac_p3p(const PoseProblem& problem, const SolverOptions& options);

@@ -140,10 +140,14 @@ PoseProblem make(const Recipe& r) {
   return problem;
 }
 
-/// `consensus` leaves out the one point that is not finite.
+/// These leave out the one point that is not finite.
+bool leaves_out_the_unusable(const PoseSolver& solver) {
+  return solver.name == "consensus" || solver.name == "orpe_consensus";
+}
+
 bool is_surely_degenerate(const Recipe& r, const PoseSolver& solver) {
   return r.shape == Shape::kCollinear || r.shape == Shape::kCoincident ||
-         (r.pixels == Pixels::kNotFinite && solver.name != "consensus");
+         (r.pixels == Pixels::kNotFinite && !leaves_out_the_unusable(solver));
 }
 
 /// M-estimators use every point, and only report whose weight is small: that may be most of them.
