@@ -127,24 +127,25 @@ TEST(OutputFolders, LeaveAloneWhatIsNotTheirs) {
   folder.write("victim/precious", "data");
   const fs::path asked = folder.path() / "out";
   fs::create_directory_symlink(victim, staging_folder(asked));
-  EXPECT_THAT(error_of([&] { OutputFolder(asked); }), HasSubstr("is not ours"));
+  EXPECT_THAT(error_of([&] { const OutputFolder made(asked); }), HasSubstr("is not ours"));
   EXPECT_TRUE(fs::exists(victim / "precious"));
 
   fs::remove(staging_folder(asked));
   fs::create_directories(staging_folder(asked));
   folder.write(".out.partial/notes", "data");
-  EXPECT_THAT(error_of([&] { OutputFolder(asked); }), HasSubstr("is not ours"));
+  EXPECT_THAT(error_of([&] { const OutputFolder made(asked); }), HasSubstr("is not ours"));
   EXPECT_TRUE(fs::exists(staging_folder(asked) / "notes"));
 
   fs::remove(staging_folder(asked) / "notes");
-  EXPECT_EQ(error_of([&] { OutputFolder(asked); }), "") << "an empty one is";
+  EXPECT_EQ(error_of([&] { const OutputFolder made(asked); }), "") << "an empty one is";
 }
 
 TEST(OutputFolders, NeedAPlace) {
   const TemporaryFolder folder;
-  EXPECT_THAT(error_of([&] { OutputFolder(fs::path()); }), HasSubstr("is empty"));
+  EXPECT_THAT(error_of([&] { const OutputFolder made{fs::path()}; }), HasSubstr("is empty"));
   fs::create_symlink(folder.path() / "nothing", folder.path() / "link");
-  EXPECT_THAT(error_of([&] { OutputFolder(folder.path() / "link"); }), HasSubstr("is a link"));
+  EXPECT_THAT(error_of([&] { const OutputFolder made(folder.path() / "link"); }),
+              HasSubstr("is a link"));
 }
 
 TEST(OutputFolders, WriteNothingThroughALink) {
