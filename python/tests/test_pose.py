@@ -55,7 +55,8 @@ def test_an_outlier_is_removed_and_said_so():
     spoilt = sl.solve(CUBE, pixels, CAMERA, "lspe")
     assert spoilt.removed == ()
     assert np.abs(spoilt.cam_from_target - TRUTH).max() > 100 * EXACT
-    kept = sl.solve(CUBE, pixels, CAMERA, "orpe", options={"max_removed": 0})
+    assert sl.solve(CUBE, pixels, CAMERA, "orpe_weighed").removed == (3,)
+    kept = sl.solve(CUBE, pixels, CAMERA, "orpe_weighed", options={"max_removed": 0})
     assert kept.removed == ()
     told = sl.solve(CUBE, pixels, CAMERA, "oracle", true_inliers=np.arange(8) != 3)
     assert np.abs(told.cam_from_target - TRUTH).max() < EXACT
