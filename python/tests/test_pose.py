@@ -55,7 +55,8 @@ def test_an_outlier_is_removed_and_said_so():
     spoilt = sl.solve(CUBE, pixels, CAMERA, "lspe")
     assert spoilt.removed == ()
     assert np.abs(spoilt.cam_from_target - TRUTH).max() > 100 * EXACT
-    kept = sl.solve(CUBE, pixels, CAMERA, "orpe", options={"max_removed": 0})
+    assert sl.solve(CUBE, pixels, CAMERA, "orpe_weighed").removed == (3,)
+    kept = sl.solve(CUBE, pixels, CAMERA, "orpe_weighed", options={"max_removed": 0})
     assert kept.removed == ()
     told = sl.solve(CUBE, pixels, CAMERA, "oracle", true_inliers=np.arange(8) != 3)
     assert np.abs(told.cam_from_target - TRUTH).max() < EXACT
@@ -88,9 +89,9 @@ def test_expected_failures_are_statuses():
 
 @pytest.mark.parametrize("change, text", [
     (dict(solver="orpee"), "solve: solver 'orpee' is not known (did you mean 'orpe'?)"),
-    (dict(options={"rhoo": 3}), "solve: solver.rhoo"),
-    (dict(options={"rho": 0}), "solve: solver.rho is 0, must be"),
-    (dict(options={"start": "free"}), "solve: solver.start"),
+    (dict(options={"rhoo": 3}), "solver.rhoo is not a known key"),
+    (dict(options={"rho": 0}), "solver.rho is 0, must be"),
+    (dict(options={"start": "free"}), "solver.start is not a known key"),
     (dict(points=CUBE[:, :2]), "solve: points: has shape (8, 2), must be (n, 3)"),
     (dict(pixels=np.zeros((7, 2))), "solve: pixels has 7 rows, points has 8"),
     (dict(pixels=np.full((8, 2), np.nan)), "solve: pixels: holds a number that is not finite"),
