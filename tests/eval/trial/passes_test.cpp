@@ -61,10 +61,9 @@ TEST(Passes, OnePassLooksAroundThePrior) {
   Renderer renderer;
   const Trial trial = run_trial(study, 0, renderer);
   const auto look = [&](int passes) {
-    ImageSetup setup = study.images()->setups.front();
-    setup.passes = passes;
-    return extract_in_passes(*study.images(), setup, trial.scene, trial.frame.image,
-                             trial.record.pose_trial().prior_cam_from_target, renderer);
+    ImageStudy images = *study.images();
+    images.setups.front().passes = passes;
+    return extract(images, trial.record, trial.scene, trial.frame.image, renderer);
   };
   const auto off_deg = [&](const Extraction& extraction) {
     return geodesic_angle_rad(extraction.cam_from_target.rotation,
@@ -134,10 +133,9 @@ TEST(Passes, APassThatFindsLessThanHalfIsDropped) {
     empty.cam_from_target.translation *= 50;
     const cv::Mat image = renderer.render(empty, RandomStream(1, "sensor", i)).image;
     const auto look = [&](int passes) {
-      ImageSetup setup = study.images()->setups.front();
-      setup.passes = passes;
-      return extract_in_passes(*study.images(), setup, trial.scene, image,
-                               trial.record.pose_trial().prior_cam_from_target, renderer);
+      ImageStudy images = *study.images();
+      images.setups.front().passes = passes;
+      return extract(images, trial.record, trial.scene, image, renderer);
     };
     const Extraction one = look(1), two = look(2);
     EXPECT_GE(2 * found_in(two), found_in(one)) << i;
