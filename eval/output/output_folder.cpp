@@ -36,6 +36,12 @@ void require_free(const fs::path& folder) {
   }
 }
 
+// The folder by its whole name, whatever of it exists.
+fs::path whole_name(const fs::path& folder) {
+  if (folder.empty()) throw InputError("--out: is empty, must name a folder");
+  return fs::weakly_canonical(fs::absolute(folder));
+}
+
 // The topmost folder on the way to `folder` that does not exist yet; empty if all do.
 fs::path first_missing(const fs::path& folder) {
   fs::path missing;
@@ -98,9 +104,8 @@ int lock_folder(const fs::path& staging, const fs::path& asked) {
 }  // namespace
 
 OutputFolder::OutputFolder(const fs::path& folder, Leftovers leftovers)
-    : folder_(fs::weakly_canonical(fs::absolute(folder))) {
+    : folder_(whole_name(folder)) {
   if (!folder_.has_filename()) folder_ = folder_.parent_path();  // "results/x/"
-  if (folder.empty()) throw InputError("--out: is empty, must name a folder");
   if (fs::is_symlink(folder_)) {
     throw InputError(fmt::format("--out {}: is a link to nothing", folder.string()));
   }

@@ -71,8 +71,8 @@ std::string to_json(const OutlierModel& model, const std::string& study) {
 
 OutlierModel read_outlier_model(const std::filesystem::path& file) {
   OutlierModel model;
-  const Json json = read_json(file);
   try {
+    const Json json = read_json(file);
     const auto features = json.at("features").get<std::vector<std::string>>();
     for (const Json& row : json.at("trials")) {
       auto& failures = model.trials.emplace_back();

@@ -52,7 +52,7 @@ TEST(BopResults, WhatIsWrongIsSaidWithItsLine) {
   const std::string good = "0,0,1,1," + kQuarterTurn + ",1 2 3,-1\n";
   EXPECT_EQ(error(kHeader + good), "");
   EXPECT_EQ(error(kHeader), "");  // nothing was found in any image
-  EXPECT_THAT(error(""), HasSubstr("line 1"));
+  EXPECT_THAT(error(""), HasSubstr("r.csv: is empty"));
   EXPECT_THAT(error("a,b\n" + good),
               AllOf(HasSubstr("r.csv: line 1"), HasSubstr("scene_id,im_id")));
   EXPECT_THAT(error(kHeader + good + "0,0,1,1,1 2 3,-1\n"),

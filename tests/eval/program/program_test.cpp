@@ -248,6 +248,7 @@ TEST_F(Program, FoldersThatHadToBeMadeDoNotOutliveAFailure) {
 TEST_F(Program, WhatARunLeftThatFinishedNothingIsSweptByTheNext) {
   const fs::path stale = folder_.path() / ".run.partial";
   fs::create_directories(stale);
+  folder_.write(".run.partial/.lock", "");  // by which a run knows it for one of ours
   folder_.write(".run.partial/results.sqlite.partial", "half a store");
   ASSERT_EQ(run("study boeing-table1 --trials 1 --quiet --out " + path("run")).exit_code, 0);
   EXPECT_FALSE(fs::exists(stale));
@@ -340,11 +341,19 @@ TEST_F(Program, AMeshWithNothingToProposeSaysSo) {
   EXPECT_FALSE(fs::exists(path("strip")));
 }
 
+TEST_F(Program, AnInterruptThatItsParentIgnoresIsIgnored) {
+  const Outcome outcome = run("study boeing-table1 --trials 30 --quiet --out " + path("run") +
+                              " & pid=$!; sleep 0.3; kill -INT $pid; wait $pid; echo exit $?");
+  EXPECT_EQ(outcome.output, "exit 0\n");
+  EXPECT_TRUE(fs::exists(path("run")));
+}
+
 TEST_F(Program, AnInterruptLeavesNothing) {
-  // SIGINT to the program after a second, while it draws 4000 images in two processes.
+  // SIGTERM to the program after a second, while it draws 4000 images in two processes. (A shell
+  // without a terminal has what it starts with & ignore SIGINT.)
   const Outcome outcome =
       run("study boeing-table1 --trials 1000 --jobs 2 --quiet --out " + path("run") +
-          " & pid=$!; sleep 1; kill -INT $pid; wait $pid; echo exit $?");
+          " & pid=$!; sleep 1; kill -TERM $pid; wait $pid; echo exit $?");
   EXPECT_THAT(outcome.output, HasSubstr("interrupted"));
   EXPECT_THAT(outcome.output, HasSubstr("exit 130"));
   EXPECT_TRUE(fs::is_empty(folder_.path()));

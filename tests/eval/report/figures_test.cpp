@@ -165,16 +165,18 @@ TEST(ProvenanceFigure, RepeatsTheRunFromItsStudyFile) {
                             report.summary,
                             report.trials,
                             report.frames,
-                            {{"shard", shard}, {"command", "sightline study x --set a=<b>"}}};
+                            {{"shard", shard}, {"command", "sightline study x --set 'a=<b>'"}}};
     return one_line(render_report(input));
   };
   EXPECT_TRUE(has(page_of("0/1"), "<code>sightline study study.toml --out again</code>"));
   EXPECT_TRUE(has(page_of("merged from 4"), "<code>sightline study study.toml --out again</code>"));
   EXPECT_TRUE(
       has(page_of("1/4"), "<code>sightline study study.toml --shard 1/4 --out again</code>"));
-  EXPECT_TRUE(has(page_of("0/1"), "typed: <code>sightline study x --set a=&lt;b&gt;</code>"));
+  EXPECT_TRUE(
+      has(page_of("0/1"), "typed: <code>sightline study x --set &apos;a=&lt;b&gt;&apos;</code>"));
   EXPECT_TRUE(has(report.page(), "study.toml --out again"));  // without a manifest
   EXPECT_FALSE(has(report.page(), "What was typed"));
+  EXPECT_FALSE(has(page_of("; rm -rf ~ #"), "shard ; rm")) << "a reader may copy it";
   EXPECT_FALSE(has(report.page(), "interrupt"));
 }
 

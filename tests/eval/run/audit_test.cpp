@@ -188,14 +188,14 @@ TEST_F(Audit, AFlippedAxisOfTheTargetIsNoticed) {
   const Flow flow = flow_with(kFlippedTarget);
   EXPECT_GT(flow.cell().ratio_to_bound, 10);
   EXPECT_GT(mean_reprojection_px(flow), 5) << "a mirrored body fits no image of the right one";
-  EXPECT_EQ(verdict_of(gate(flow), "geodesic_deg"), Verdict::kWorse);
+  EXPECT_EQ(verdict_of(gate(flow), "geodesic_deg.mean"), Verdict::kWorse);
 }
 
 TEST_F(Audit, AFlippedAxisOfTheImageIsNoticed) {
   const Flow flow = flow_with(kFlippedImage);
   EXPECT_GT(flow.cell().ratio_to_bound, 10);
   EXPECT_GT(mean_reprojection_px(flow), 5);
-  EXPECT_EQ(verdict_of(gate(flow), "geodesic_deg"), Verdict::kWorse);
+  EXPECT_EQ(verdict_of(gate(flow), "geodesic_deg.mean"), Verdict::kWorse);
 }
 
 TEST_F(Audit, AFlippedCameraIsNoticed) {
@@ -203,8 +203,8 @@ TEST_F(Audit, AFlippedCameraIsNoticed) {
   EXPECT_EQ(flow.cell().geodesic_deg.capped, kTrials);
   EXPECT_TRUE(std::isinf(mean_reprojection_px(flow))) << "the target is behind the camera";
   const Comparison comparison = gate(flow);
-  EXPECT_EQ(verdict_of(comparison, "geodesic_deg"), Verdict::kWorse);
-  EXPECT_EQ(verdict_of(comparison, "t_error_percent"), Verdict::kWorse);
+  EXPECT_EQ(verdict_of(comparison, "geodesic_deg.mean"), Verdict::kWorse);
+  EXPECT_EQ(verdict_of(comparison, "t_error_percent.mean"), Verdict::kWorse);
 }
 
 TEST_F(Audit, HalfAPixelIsNoticedByTheCoveragesOfTheCovariances) {
@@ -221,16 +221,16 @@ TEST_F(Audit, MillimetresForMetresAreNoticed) {
   const Flow flow = flow_with(kMillimetres);
   EXPECT_EQ(flow.cell().t_error_percent.capped, kTrials);
   const Comparison comparison = gate(flow);
-  EXPECT_EQ(verdict_of(comparison, "t_error_percent"), Verdict::kWorse);
-  EXPECT_EQ(verdict_of(comparison, "geodesic_deg"), Verdict::kUnchanged);
+  EXPECT_EQ(verdict_of(comparison, "t_error_percent.mean"), Verdict::kWorse);
+  EXPECT_EQ(verdict_of(comparison, "geodesic_deg.mean"), Verdict::kUnchanged);
 }
 
 TEST_F(Audit, ATransposedRotationIsNoticed) {
   const Flow flow = flow_with(kTransposed);
   EXPECT_GT(flow.cell().ratio_to_bound, 10);
   const Comparison comparison = gate(flow);
-  EXPECT_EQ(verdict_of(comparison, "geodesic_deg"), Verdict::kWorse);
-  EXPECT_EQ(verdict_of(comparison, "t_error_percent"), Verdict::kUnchanged);
+  EXPECT_EQ(verdict_of(comparison, "geodesic_deg.mean"), Verdict::kWorse);
+  EXPECT_EQ(verdict_of(comparison, "t_error_percent.mean"), Verdict::kUnchanged);
 }
 
 TEST_F(Audit, ASolverThatReturnsItsStartIsNoticed) {
@@ -243,8 +243,8 @@ TEST_F(Audit, ASolverThatReturnsItsStartIsNoticed) {
   }
   EXPECT_GT(flow.cell().ratio_to_bound_ci95[0], 5);
   const Comparison comparison = gate(flow);
-  EXPECT_EQ(verdict_of(comparison, "geodesic_deg"), Verdict::kWorse);
-  EXPECT_EQ(verdict_of(comparison, "t_error_percent"), Verdict::kWorse);
+  EXPECT_EQ(verdict_of(comparison, "geodesic_deg.mean"), Verdict::kWorse);
+  EXPECT_EQ(verdict_of(comparison, "t_error_percent.mean"), Verdict::kWorse);
 }
 
 TEST_F(Audit, AnIgnoredSeedIsNoticed) {

@@ -224,7 +224,7 @@ TEST_F(Resume, AnInterruptKeepsFinishedTrialsOfARunThatMayBeResumed) {
                      " & pid=$!; until f=$(find " + staging +
                      " -name 'job-*.sqlite' -size +100k 2>/dev/null | head -1); [ -n \"$f\" ] && "
                      "[ ! -e $f-journal ]; do sleep 0.01; done; "
-                     "kill -INT $pid; wait $pid; echo exit $?");
+                     "kill -TERM $pid; wait $pid; echo exit $?");
   };
   const Outcome kept = interrupted("kept", " --resume");
   EXPECT_THAT(kept.output, HasSubstr("kept for --resume"));
