@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <malloc.h>
 #include <opencv2/core.hpp>
+#include <opencv2/core/utils/logger.hpp>
 
 #include "eval/output/plain_text.h"
 #include "eval/program/commands.h"
@@ -38,6 +39,8 @@ void keep_freed_memory() {
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);  // processes are the unit of parallel work
+  // What it cannot read we say in a line of our own.
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   keep_freed_memory();
   CLI::App app(
       "Sightline renders meshed targets under known poses, extracts features from the images,\n"
