@@ -3,10 +3,17 @@
 //
 // The study's question and its answer in sentences, every number with its interval.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -89,28 +96,92 @@ std::vector<double> paired_differences_deg(std::span<const TrialRecord> trials,
   return differences;
 }
 
-std::string comparison(const ReportInput& input, std::string_view lead, std::string_view other) {
-  const std::vector<double> differences = paired_differences_deg(input.trials, lead, other);
+// What two sides of the same trials differ by, in a sentence; empty where there are too few. `draw`
+// names the random numbers of the interval.
+std::string difference_sentence(const ReportInput& input, const std::vector<double>& differences,
+                                const std::string& draw, const std::string& first,
+                                const std::string& second) {
   if (differences.size() < 2) return "";
   double mean = 0;
   for (const double difference : differences) {
     mean += difference / static_cast<double>(differences.size());
   }
-  const auto ci95 = bca_mean_interval(differences, input.study.seed,
-                                      fmt::format("report/answer/{}-{}", lead, other));
+  const auto ci95 = bca_mean_interval(differences, input.study.seed, draw);
   const bool is_clear = ci95[0] > 0 || ci95[1] < 0;
   if (!is_clear) {
     return fmt::format(
         "Trial by trial, these images do not tell the θ errors of {} and {} apart: they differ by "
         "{}° {} in the mean.",
-        solver_label(lead), solver_label(other), measure(mean), interval(ci95, decimals_for(mean)));
+        first, second, measure(mean), interval(ci95, decimals_for(mean)));
   }
   const std::array<double, 2> size = {std::min(std::abs(ci95[0]), std::abs(ci95[1])),
                                       std::max(std::abs(ci95[0]), std::abs(ci95[1]))};
   return fmt::format("Trial by trial, the θ error of {} is {}° {} {} than that of {} in the mean.",
-                     solver_label(lead), measure(std::abs(mean)),
-                     interval(size, decimals_for(mean)), mean < 0 ? "smaller" : "greater",
-                     solver_label(other));
+                     first, measure(std::abs(mean)), interval(size, decimals_for(mean)),
+                     mean < 0 ? "smaller" : "greater", second);
+}
+
+std::string comparison(const ReportInput& input, std::string_view lead, std::string_view other) {
+  return difference_sentence(input, paired_differences_deg(input.trials, lead, other),
+                             fmt::format("report/answer/{}-{}", lead, other), solver_label(lead),
+                             solver_label(other));
+}
+
+// Two conditions that differ in who finds the features alone, so that their trials show the same
+// pictures.
+struct ExtractorPair {
+  int first;
+  int second;
+};
+
+// The first extractor of the study against each of the others, wherever all else is the same.
+std::vector<ExtractorPair> extractor_pairs(const Study& study) {
+  constexpr const char* kExtractor = "extractor";
+  std::vector<ExtractorPair> pairs;
+  const auto rest_of = [&](int index) {
+    auto words = study.conditions[static_cast<size_t>(index)].words;
+    words.erase(kExtractor);
+    return std::pair(std::move(words), study.conditions[static_cast<size_t>(index)].values);
+  };
+  const int count = static_cast<int>(study.conditions.size());
+  for (int second = 0; second < count; ++second) {
+    if (!study.conditions[static_cast<size_t>(second)].words.contains(kExtractor)) continue;
+    for (int first = 0; first < second; ++first) {
+      if (rest_of(first) != rest_of(second)) continue;
+      pairs.push_back({first, second});
+      break;
+    }
+  }
+  return pairs;
+}
+
+// The same draws through both, by one solver.
+std::vector<double> paired_differences_deg(std::span<const TrialRecord> trials,
+                                           std::string_view solver, const ExtractorPair& pair) {
+  std::map<int64_t, double> of_first;
+  for (const TrialRecord& trial : trials) {
+    if (trial.condition == pair.first) of_first[trial.trial] = capped_theta_deg(trial, solver);
+  }
+  std::vector<double> differences;
+  for (const TrialRecord& trial : trials) {
+    if (trial.condition != pair.second) continue;
+    const auto found = of_first.find(trial.trial - pair.second + pair.first);
+    if (found == of_first.end()) continue;
+    const double difference = found->second - capped_theta_deg(trial, solver);
+    if (!std::isnan(difference)) differences.push_back(difference);
+  }
+  return differences;
+}
+
+std::string comparison(const ReportInput& input, std::string_view solver,
+                       const ExtractorPair& pair) {
+  const auto label = [&](int condition) {
+    return fmt::format("{} with {}", solver_label(solver),
+                       input.study.conditions[static_cast<size_t>(condition)].label);
+  };
+  return difference_sentence(input, paired_differences_deg(input.trials, solver, pair),
+                             fmt::format("report/answer/{}/{}-{}", solver, pair.first, pair.second),
+                             label(pair.first), label(pair.second));
 }
 
 // The least error that an unbiased estimator can have, and where that noise was found.
@@ -130,6 +201,10 @@ mustache::data comparisons(const ReportInput& input) {
   for (const TrialSolver& other : input.study.solvers()) {
     if (other.evaluation_only || other.name == lead) continue;
     const std::string sentence = comparison(input, lead, other.name);
+    if (!sentence.empty()) sentences << sentence;
+  }
+  for (const ExtractorPair& pair : extractor_pairs(input.study)) {
+    const std::string sentence = comparison(input, lead, pair);
     if (!sentence.empty()) sentences << sentence;
   }
   const std::string bound = bound_sentence(input.summary);

@@ -115,7 +115,8 @@ TEST_F(Doors, ObservationsOfAFileAreAnExtractorBesideOurs) {
         << "half a pixel is to be seen";
   }
   const std::string page = read_whole(path("three") + "/report.html");
-  EXPECT_THAT(page, HasSubstr("same.csv"));
+  EXPECT_THAT(page, AllOf(HasSubstr("same.csv"), HasSubstr("LSPE with by_kind"),
+                          HasSubstr("LSPE with moved")));
 }
 
 TEST_F(Doors, EstimatesOfAFileAreASolverBesideOurs) {
