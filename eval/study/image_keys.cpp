@@ -162,6 +162,27 @@ void reject_unknown_scene_keys(const TomlTable& table) {
   }
 }
 
+// The set-up of a cell. What is wrong with a swept value is said of the sweep: nobody has typed the
+// --set that stands for it.
+ImageSetup read_swept_setup(const TomlTable& table, const std::vector<std::string>& settings,
+                            const ImageStudy& study) {
+  try {
+    const TomlTable set = TomlTable::read_text(table.to_toml(), table.file(), settings);
+    ImageSetup setup = read_setup(set, study);
+    reject_unknown_scene_keys(set);
+    return setup;
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    for (const std::string& setting : settings) {
+      const std::string typed = fmt::format("--set {}: ", setting);
+      if (!text.starts_with(typed)) continue;
+      throw InputError(fmt::format("{}: sweep: {}: {}", table.file().string(), setting,
+                                   text.substr(typed.size())));
+    }
+    throw;
+  }
+}
+
 // Each cell of the sweeps once for every extractor; where there is but one it sets nothing apart.
 std::vector<SweptCell> with_extractors(const std::vector<SweptCell>& swept,
                                        const std::vector<std::string>& names) {
@@ -207,9 +228,7 @@ void read_setups(const TomlTable& table, ImageStudy& study, Study& common,
     if (settings.empty()) {
       study.setups.push_back(read_setup(table, study));
     } else {
-      const TomlTable set = TomlTable::read_text(table.to_toml(), table.file(), settings);
-      study.setups.push_back(read_setup(set, study));
-      reject_unknown_scene_keys(set);
+      study.setups.push_back(read_swept_setup(table, settings, study));
     }
     ImageSetup& setup = study.setups.back();
     choose_extractor(table, names[i % names.size()], study, common, guests, setup);
