@@ -153,6 +153,16 @@ TEST(Study, GivenPosesCrossSweptKeys) {
   EXPECT_EQ(again.toml, study.toml);
 }
 
+TEST(Study, ABadValueIsSaidOfTheSweep) {
+  const auto complaint = [](const std::string& setting) {
+    return error_of(
+        [&] { read_study("boeing-random", {.trials = 1, .seed = {}, .set = {setting}}); });
+  };
+  EXPECT_THAT(complaint("sweep={'image.psf_sigma_px'=[0.5, -3]}"),
+              testing::HasSubstr("sweep: image.psf_sigma_px=-3: "));
+  EXPECT_THAT(complaint("image.psf_sigma_px=-3"), testing::StartsWith("--set image.psf_sigma_px"));
+}
+
 TEST(Study, SeveralSweepsFollowEachOther) {
   const Study study = read_study(
       "boeing-random",
