@@ -160,6 +160,20 @@ std::vector<CellDifference> cell_differences(const Runs& runs) {
 
 }  // namespace
 
+std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kUnchanged:
+      return "unchanged";
+    case Verdict::kBetter:
+      return "better";
+    case Verdict::kWorse:
+      return "worse";
+    case Verdict::kMissing:
+      return "missing";
+  }
+  return "";
+}
+
 int64_t Comparison::count(Verdict verdict) const {
   return std::count_if(cells.begin(), cells.end(),
                        [&](const CellDifference& cell) { return cell.verdict == verdict; });

@@ -16,6 +16,9 @@ inline constexpr double kVerdictLevel = 0.05;
 
 enum class Verdict { kUnchanged, kBetter, kWorse, kMissing };
 
+/// "unchanged", "better", "worse", "missing".
+std::string_view to_string(Verdict verdict);
+
 /// One measure of a cell in two runs.
 struct Difference {
   std::string quantity;  ///< the measure's name: "geodesic_deg.mean", "failure_rate"

@@ -16,20 +16,6 @@
 namespace sightline {
 namespace {
 
-std::string_view to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kUnchanged:
-      return "unchanged";
-    case Verdict::kBetter:
-      return "better";
-    case Verdict::kWorse:
-      return "worse";
-    case Verdict::kMissing:
-      return "missing";
-  }
-  return "";
-}
-
 std::string short_number(double value) {
   return std::isfinite(value) ? fmt::format("{:.3g}", value) : "-";
 }

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/compare/settings.h"
 
-#include <charconv>
 #include <optional>
 #include <set>
 #include <string_view>
 
 #include <fmt/format.h>
 
+#include "eval/output/numbers.h"
 #include "eval/output/text_table.h"
 #include "scenes/files/toml_table.h"
 
@@ -17,17 +17,10 @@ namespace {
 
 constexpr const char* kNotStated = "not stated";
 
-std::optional<double> number_of(std::string_view text) {
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 bool is_same_value(const std::string& a, const std::string& b) {
   if (a == b) return true;
-  const auto number_a = number_of(a);
-  const auto number_b = number_of(b);
+  const auto number_a = parsed_number(a);
+  const auto number_b = parsed_number(b);
   return number_a && number_b && *number_a == *number_b;
 }
 

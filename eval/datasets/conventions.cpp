@@ -3,9 +3,11 @@
 #include "eval/datasets/conventions.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <fmt/format.h>
 
 #include "scenes/files/input_error.h"
 
@@ -39,6 +41,15 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
   if (!is_near_rotation(matrix)) throw InputError("is no rotation");
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return svd.matrixU() * svd.matrixV().transpose();
+}
+
+Eigen::Matrix3d rotation_of_printed(const Eigen::Quaterniond& quaternion, const std::string& what) {
+  constexpr double kTolerance = 1e-2;
+  if (std::abs(quaternion.norm() - 1) <= kTolerance) {
+    return quaternion.normalized().toRotationMatrix();
+  }
+  throw InputError(
+      fmt::format("{} has the length {}, must have length 1", what, quaternion.norm()));
 }
 
 Camera camera_from_matrix(const Eigen::Matrix3d& k) {

@@ -7,8 +7,10 @@
 
 #include <array>
 #include <span>
+#include <string>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "pose/camera.h"
 
@@ -31,6 +33,10 @@ bool is_near_rotation(const Eigen::Matrix3d& matrix);
 /// The rotation nearest to a matrix that was printed with few digits. Throws InputError for one
 /// that is not near a rotation.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
+
+/// The rotation of a quaternion that was printed with few digits. Throws InputError, with `what`
+/// for its name, where its length is not 1 within what those leave (1e-2).
+Eigen::Matrix3d rotation_of_printed(const Eigen::Quaterniond& quaternion, const std::string& what);
 
 /// A camera without size from its matrix (fx 0 cx, 0 fy cy, 0 0 1), pixel centres at integers.
 /// Throws InputError for what is no such matrix, and for skew, which ours has not.

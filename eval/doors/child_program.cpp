@@ -82,7 +82,7 @@ Ends make_socket() {
 }
 
 Descriptor open_log(const fs::path& log) {
-  const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  const int file = open(log.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0644);
   if (file < 0) {
     throw InputError(fmt::format("{}: cannot be written: {}", log.string(), std::strerror(errno)));
   }

@@ -3,8 +3,6 @@
 #include "eval/doors/estimate_file.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
@@ -18,6 +16,7 @@
 
 #include "eval/datasets/bop/results_csv.h"
 #include "eval/datasets/conventions.h"
+#include "eval/datasets/speed/results_csv.h"
 #include "eval/output/csv_reader.h"
 #include "scenes/files/input_error.h"
 
@@ -25,8 +24,6 @@ namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kQuaternionTolerance = 1e-2;  // what few printed digits leave of its length
 
 // What a file has for one trial.
 struct GivenEstimate {
@@ -46,13 +43,6 @@ TrialKey key_of_picture(const TrialName& trial) {
 
 TrialKey key_of_number(const TrialName& trial) {
   return {trial.trial, 0, 0};
-}
-
-Eigen::Quaterniond rotation_in(const CsvReader& csv, const std::array<const char*, 4>& columns) {
-  const Eigen::Quaterniond q(csv.number(columns[0]), csv.number(columns[1]), csv.number(columns[2]),
-                             csv.number(columns[3]));
-  if (std::abs(q.norm() - 1) <= kQuaternionTolerance) return q.normalized();
-  csv.fail(fmt::format("has a quaternion of length {:g}, must be of length 1", q.norm()));
 }
 
 // ---- results of BOP
@@ -89,9 +79,6 @@ GivenEstimates read_bop(const EstimateSource& source, const SightedSet* set) {
 
 // ---- ESA's challenges
 
-const std::vector<std::string> kSpeedColumns = {"filename", "q0", "q1", "q2",
-                                                "q3",       "r0", "r1", "r2"};
-
 // The sightings by their picture's name.
 std::map<std::string, const Sighting*> by_file_name(const SightedSet& set) {
   std::map<std::string, const Sighting*> by_name;
@@ -107,24 +94,18 @@ GivenEstimates read_speed(const EstimateSource& source, const SightedSet* set) {
                                  source.file.string()));
   }
   const auto sightings = by_file_name(*set);
-  CsvReader csv(source.file, kSpeedColumns);
   GivenEstimates by_trial;
-  while (csv.next()) {
-    const std::string name = fs::path(csv.text("filename")).filename().string();
-    if (csv.line() == 1 && name == "filename") continue;  // some write a header
-    const auto found = sightings.find(name);
+  for (const SpeedEstimate& estimate : read_speed_results(source.file)) {
+    const auto found = sightings.find(estimate.picture);
     if (found == sightings.end()) {
-      csv.fail(fmt::format("is about '{}', which the set does not have", name));
+      throw InputError(fmt::format("{}: line {} is about '{}', which the set does not have",
+                                   source.file.string(), estimate.line, estimate.picture));
     }
     GivenEstimate given;
-    const Eigen::Matrix3d rotation = rotation_in(csv, {"q0", "q1", "q2", "q3"}).toRotationMatrix();
-    given.cam_from_target.rotation = rotation * set->target_from_model.transpose();
-    given.cam_from_target.translation = {csv.number("r0"), csv.number("r1"), csv.number("r2")};
+    given.cam_from_target = {estimate.cam_from_model.rotation * set->target_from_model.transpose(),
+                             estimate.cam_from_model.translation};
     const Sighting& sighting = *found->second;
-    if (!by_trial.emplace(TrialKey{sighting.scene_id, sighting.im_id, sighting.gt_id}, given)
-             .second) {
-      csv.fail(fmt::format("is about '{}' a second time", name));
-    }
+    by_trial.emplace(TrialKey{sighting.scene_id, sighting.im_id, sighting.gt_id}, given);
   }
   return by_trial;
 }
@@ -141,14 +122,14 @@ std::string solver_in(const EstimateSource& source) {
                                source.file.string(), fmt::join(solvers, ", ")));
 }
 
-std::vector<std::string> names_between_semicolons(std::string_view list) {
-  std::vector<std::string> names;
-  while (!list.empty()) {
-    const size_t end = std::min(list.find(';'), list.size());
-    names.emplace_back(list.substr(0, end));
-    list.remove_prefix(std::min(end + 1, list.size()));
+Eigen::Matrix3d rotation_in(const CsvReader& csv) {
+  const Eigen::Quaterniond q(csv.number("qw"), csv.number("qx"), csv.number("qy"),
+                             csv.number("qz"));
+  try {
+    return rotation_of_printed(q, "the quaternion");
+  } catch (const InputError& error) {
+    csv.fail(fmt::format("is wrong: {}", error.what()));
   }
-  return names;
 }
 
 GivenEstimates read_results(const EstimateSource& source) {
@@ -163,11 +144,10 @@ GivenEstimates read_results(const EstimateSource& source) {
       csv.fail(fmt::format("has a status that {}", error.what()));
     }
     if (given.outcome == EstimateOutcome::kOk) {
-      given.cam_from_target.rotation =
-          rotation_in(csv, {"qw", "qx", "qy", "qz"}).toRotationMatrix();
+      given.cam_from_target.rotation = rotation_in(csv);
       given.cam_from_target.translation = {csv.number("tx_m"), csv.number("ty_m"),
                                            csv.number("tz_m")};
-      given.removed = names_between_semicolons(csv.text("removed"));
+      given.removed = csv.names("removed");
     }
     if (!by_trial.emplace(TrialKey{csv.whole("trial"), 0, 0}, given).second) {
       csv.fail(fmt::format("has trial {} of {} a second time", csv.text("trial"), solver));
@@ -183,10 +163,11 @@ EstimateFormat format_of(const EstimateSource& source) {
   const CsvReader csv(source.file);
   if (csv.has_column("scene_id") && csv.has_column("R")) return EstimateFormat::kBop;
   if (csv.has_column("trial") && csv.has_column("solver")) return EstimateFormat::kSightline;
-  if (csv.columns().size() == kSpeedColumns.size()) return EstimateFormat::kSpeed;
+  constexpr size_t kSpeedFields = 8;
+  if (csv.columns().size() == kSpeedFields) return EstimateFormat::kSpeed;
   csv.fail(
       "begins no file of estimates: BOP's results, a run's results.csv, or lines of filename, "
-      "q0, q1, q2, q3, r0, r1, r2");
+      "q0, q1, q2, q3, x, y, z");
 }
 
 SolverAnswer answer(const GivenEstimates& given, const TrialKey& key,

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/output/numbers.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -61,14 +62,9 @@ std::optional<std::vector<std::string>> fields_of(std::string_view line) {
   }
 }
 
-std::optional<double> number_in(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
-  return value;
+std::optional<double> finite_number(std::string_view text) {
+  const auto value = parsed_number(text);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 std::vector<std::string_view> words_of(std::string_view text) {
@@ -163,8 +159,15 @@ int CsvReader::whole(std::string_view column) const {
   return value;
 }
 
+double CsvReader::number_or(std::string_view column, double if_empty) const {
+  if (is_empty(column)) return if_empty;
+  const auto value = parsed_number(text(column));
+  if (value) return *value;
+  fail(fmt::format("has '{}' for {}, must be a number", text(column), column));
+}
+
 double CsvReader::number(std::string_view column, Interval allowed) const {
-  const auto value = number_in(text(column));
+  const auto value = finite_number(text(column));
   if (!value) {
     fail(fmt::format("has '{}' for {}, must be a finite number", text(column), column));
   }
@@ -183,11 +186,21 @@ std::vector<double> CsvReader::numbers(std::string_view column, size_t count) co
   }
   std::vector<double> values;
   for (const std::string_view word : words) {
-    const auto value = number_in(word);
+    const auto value = finite_number(word);
     if (!value) fail(fmt::format("has '{}' for {}, must be a finite number", word, column));
     values.push_back(*value);
   }
   return values;
+}
+
+std::vector<std::string> CsvReader::names(std::string_view column) const {
+  std::vector<std::string> names;
+  for (std::string_view rest = text(column); !rest.empty();) {
+    const size_t end = std::min(rest.find(';'), rest.size());
+    if (end > 0) names.emplace_back(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  return names;
 }
 
 }  // namespace sightline

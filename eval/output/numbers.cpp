@@ -3,8 +3,10 @@
 #include "eval/output/numbers.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <numbers>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -56,6 +58,14 @@ std::string interval(const std::array<double, 2>& bounds, int decimals) {
 std::string interval_text(const std::array<double, 2>& bounds, int decimals) {
   if (std::isnan(bounds[0]) && std::isnan(bounds[1])) return "-";
   return bracketed(number_text(bounds[0], decimals), number_text(bounds[1], decimals));
+}
+
+std::optional<double> parsed_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
 }
 
 std::string count_of(int64_t part, int64_t whole) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -33,6 +34,10 @@ std::string interval(const std::array<double, 2>& bounds, int decimals);
 
 /// The same for the terminal; "-" where there is none.
 std::string interval_text(const std::array<double, 2>& bounds, int decimals);
+
+/// The number that is the whole text, which may begin with a plus and be nan or infinite; none
+/// where it is no number.
+std::optional<double> parsed_number(std::string_view text);
 
 /// "12 (3.0 %)"; "0" alone for none of some, "–" for none of none.
 std::string count_of(int64_t part, int64_t whole);

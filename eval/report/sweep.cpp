@@ -167,8 +167,7 @@ mustache::object answer_row(const ReportInput& input, const std::string& solver)
   mustache::object row = {
       {"solver", label_in(input.study, solver)},
       {"cells", cells},
-      {"evaluation_only",
-       pose_solver != nullptr && pose_solver->evaluation_only}};
+      {"evaluation_only", pose_solver != nullptr && pose_solver->evaluation_only}};
   const Comparison comparison = compare(input, solver, input.study.solver_names().front());
   row["difference"] = fmt::format("{:.1e}", comparison.greatest_difference_deg);
   row["times"] = fmt::format("{} to {}", fixed(comparison.least_time_ratio, 2),

@@ -3,10 +3,7 @@
 #include "eval/run/asked_processes.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
-#include <string>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -35,14 +32,6 @@ std::vector<std::shared_ptr<ExternalProcess>> processes_of(const Study& study) {
   return processes;
 }
 
-// A new folder that only this user can look into.
-fs::path private_folder() {
-  std::string name = (fs::temp_directory_path() / "sightline-XXXXXX").string();
-  if (mkdtemp(name.data()) != nullptr) return name;
-  throw InputError(fmt::format("{}: no folder can be made there: {}",
-                               fs::temp_directory_path().string(), std::strerror(errno)));
-}
-
 }  // namespace
 
 AskedProcesses::AskedProcesses(const Study& study, const fs::path& run_folder)
@@ -55,12 +44,7 @@ AskedProcesses::AskedProcesses(const Study& study, const fs::path& run_folder)
   if (error) {
     throw InputError(fmt::format("{}: cannot be made: {}", places_.logs.string(), error.message()));
   }
-  places_.scratch = private_folder();
-}
-
-AskedProcesses::~AskedProcesses() {
-  std::error_code ignored;
-  if (!places_.scratch.empty()) fs::remove_all(places_.scratch, ignored);
+  places_.scratch = scratch_.emplace().path();
 }
 
 AskedProcesses::Session AskedProcesses::begin(int job) const {

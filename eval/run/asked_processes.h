@@ -4,11 +4,13 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "eval/doors/external_process.h"
 #include "eval/study/study.h"
+#include "eval/work/private_folder.h"
 
 namespace sightline {
 
@@ -20,7 +22,6 @@ class AskedProcesses {
  public:
   /// Throws InputError where a process's program is not there or there is no place for a folder.
   AskedProcesses(const Study& study, const std::filesystem::path& run_folder);
-  ~AskedProcesses();
   AskedProcesses(const AskedProcesses&) = delete;
   AskedProcesses& operator=(const AskedProcesses&) = delete;
 
@@ -43,6 +44,7 @@ class AskedProcesses {
  private:
   std::vector<std::shared_ptr<ExternalProcess>> processes_;
   ProcessPlaces places_;
+  std::optional<PrivateFolder> scratch_;  ///< of a study that asks any
 };
 
 }  // namespace sightline

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/score/requirements.h"
 
-#include <charconv>
 #include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "eval/output/junit.h"
+#include "eval/output/numbers.h"
 #include "eval/score/measures.h"
 #include "eval/score/target_numbers.h"
 #include "scenes/files/input_error.h"
@@ -70,14 +70,13 @@ Requirement parse_requirement(const std::string& text) {
   const bool has_sign = sign != std::string::npos && bare.substr(sign + 1, 1) == "=";
   const std::string limit = has_sign ? bare.substr(sign + 2) : "";
   Requirement requirement{.text = text, .name = bare.substr(0, sign), .is_least = false};
-  const auto [end, error] =
-      std::from_chars(limit.data(), limit.data() + limit.size(), requirement.limit);
-  const bool is_number = error == std::errc() && end == limit.data() + limit.size();
-  if (!has_sign || !is_number || !std::isfinite(requirement.limit)) {
+  const auto number = parsed_number(limit);
+  if (!has_sign || !number || !std::isfinite(*number)) {
     throw InputError(fmt::format(
         "--require '{}': must be a figure, >= or <=, and a number, such as 'add_recall>=0.9'",
         text));
   }
+  requirement.limit = *number;
   requirement.is_least = bare[sign] == '>';
   const std::vector<std::string> known = known_figures();
   for (const std::string& name : known) {

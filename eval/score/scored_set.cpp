@@ -3,8 +3,6 @@
 #include "eval/score/scored_set.h"
 
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <set>
 #include <span>
@@ -19,6 +17,7 @@
 #include "eval/datasets/pictures.h"
 #include "eval/datasets/set_readers.h"
 #include "eval/datasets/speed/layout.h"
+#include "eval/datasets/speed/results_csv.h"
 #include "eval/output/json.h"
 #include "scenes/files/input_error.h"
 #include "scenes/mesh/diameter.h"
@@ -79,26 +78,20 @@ ScoredSet read_speed(const SetReader& reader, const SightingSource& source) {
   return set;
 }
 
-// What SPEED+'s files say of one picture; `where` names the row for errors.
-BopEstimate speed_estimate(const std::string& where, const std::string& picture,
-                           std::span<const double> q, std::span<const double> r_m,
-                           const ScoredSet& set) {
-  constexpr double kLengthTolerance = 1e-2;  // what few printed digits leave
-  const auto image = set.im_id_of_picture.find(fs::path(picture).filename().string());
+// An estimate as BOP's are, by its picture's number; `where` names its row for errors.
+BopEstimate bop_estimate(const std::string& where, const SpeedEstimate& estimate,
+                         const ScoredSet& set) {
+  const auto image = set.im_id_of_picture.find(estimate.picture);
   if (image == set.im_id_of_picture.end()) {
-    throw InputError(fmt::format("{}: the set has no picture '{}'", where, picture));
+    throw InputError(fmt::format("{}: the set has no picture '{}'", where, estimate.picture));
   }
-  const Eigen::Quaterniond quaternion(q[0], q[1], q[2], q[3]);
-  if (!(std::abs(quaternion.norm() - 1) <= kLengthTolerance)) {
-    throw InputError(fmt::format("{}: the quaternion has the length {}, must have length 1", where,
-                                 quaternion.norm()));
-  }
+  const Pose& pose = estimate.cam_from_model;
   return {.scene_id = 0,
           .im_id = image->second,
           .obj_id = kObject,
           .score = 1,
-          .cam_from_model = {quaternion.normalized().toRotationMatrix(),
-                             kMillimetresPerMetre * Eigen::Vector3d(r_m[0], r_m[1], r_m[2])}};
+          .cam_from_model = {pose.rotation, kMillimetresPerMetre * pose.translation},
+          .line = estimate.line};
 }
 
 std::vector<double> numbers_of(const Json& entry, std::span<const char* const> keys, size_t count) {
@@ -112,73 +105,38 @@ std::vector<BopEstimate> read_speed_list(const fs::path& file, const ScoredSet& 
   constexpr std::array kAttitudes = {speed::kAttitude, speed::kAttitudeOfSpeed};
   constexpr std::array kPositions = {speed::kPosition, "r_Vo2To_vbs"};
   std::vector<BopEstimate> estimates;
+  std::set<std::string> seen;
   with_json(file, [&](const Json& list) {
     for (const Json& entry : list) {
       const std::string where = fmt::format("element {}", estimates.size());
-      const std::string picture = entry.at(speed::kPicture).get<std::string>();
-      const std::vector<double> attitude = numbers_of(entry, kAttitudes, 4);
-      const std::vector<double> position_m = numbers_of(entry, kPositions, 3);
-      BopEstimate estimate = speed_estimate(where, picture, attitude, position_m, set);
+      const std::vector<double> q = numbers_of(entry, kAttitudes, 4);
+      const std::vector<double> r_m = numbers_of(entry, kPositions, 3);
+      SpeedEstimate estimate;
+      estimate.picture = fs::path(entry.at(speed::kPicture).get<std::string>()).filename().string();
       estimate.line = static_cast<int>(estimates.size());
-      estimates.push_back(estimate);
+      try {
+        estimate.cam_from_model.rotation =
+            rotation_of_printed(Eigen::Quaterniond(q[0], q[1], q[2], q[3]), "the quaternion");
+      } catch (const InputError& error) {
+        throw InputError(fmt::format("{}: {}", where, error.what()));
+      }
+      estimate.cam_from_model.translation = {r_m[0], r_m[1], r_m[2]};
+      if (!seen.insert(estimate.picture).second) {
+        throw InputError(fmt::format("{} names a picture that was named before", where));
+      }
+      estimates.push_back(bop_estimate(where, estimate, set));
     }
   });
   return estimates;
 }
 
-std::vector<std::string> trimmed_fields(const std::string& line) {
-  std::vector<std::string> fields(1);
-  for (const char c : line) {
-    if (c == ',') {
-      fields.emplace_back();
-    } else if (c != ' ' && c != '\t' && c != '\r') {
-      fields.back() += c;
-    }
-  }
-  return fields;
-}
-
 std::vector<BopEstimate> read_speed_csv(const fs::path& file, const ScoredSet& set) {
-  constexpr size_t kFieldsOfALine = 8;
-  std::ifstream stream(file);
   std::vector<BopEstimate> estimates;
-  std::string text;
-  for (int number = 1; std::getline(stream, text); ++number) {
-    const std::vector<std::string> fields = trimmed_fields(text);
-    const bool is_head = number == 1 && fields[0] == "filename";
-    if (is_head || fields == std::vector<std::string>{""}) continue;
-    const std::string where = fmt::format("{}: line {}", file.string(), number);
-    if (fields.size() != kFieldsOfALine) {
-      throw InputError(fmt::format("{}: has {} fields, must have {}: filename,q0,q1,q2,q3,x,y,z",
-                                   where, fields.size(), kFieldsOfALine));
-    }
-    std::vector<double> values;
-    for (size_t i = 1; i < kFieldsOfALine; ++i) {
-      const std::string& field = fields[i];
-      double& value = values.emplace_back();
-      const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-      if (error != std::errc() || end != field.data() + field.size() || !std::isfinite(value)) {
-        throw InputError(fmt::format("{}: has '{}', must be a finite number", where, field));
-      }
-    }
-    BopEstimate estimate = speed_estimate(where, fields[0], std::span(values).first(4),
-                                          std::span(values).subspan(4), set);
-    estimate.line = number;
-    estimates.push_back(estimate);
+  for (const SpeedEstimate& estimate : read_speed_results(file)) {
+    estimates.push_back(
+        bop_estimate(fmt::format("{}: line {}", file.string(), estimate.line), estimate, set));
   }
   return estimates;
-}
-
-// Such files have one estimate of a picture.
-void require_one_each(const fs::path& file, std::span<const BopEstimate> estimates) {
-  std::set<int> images;
-  for (const BopEstimate& estimate : estimates) {
-    if (images.insert(estimate.im_id).second) continue;
-    throw InputError(fmt::format("{}: {} names a picture that was named before", file.string(),
-                                 file.extension() == ".json"
-                                     ? fmt::format("element {}", estimate.line)
-                                     : fmt::format("line {}", estimate.line)));
-  }
 }
 
 }  // namespace
@@ -208,10 +166,7 @@ std::vector<BopEstimate> read_estimates(const fs::path& file, const ScoredSet& s
         file.string()));
   }
   if (is_of_bop) return read_bop_results(file);
-  const std::vector<BopEstimate> estimates =
-      file.extension() == ".json" ? read_speed_list(file, set) : read_speed_csv(file, set);
-  require_one_each(file, estimates);
-  return estimates;
+  return file.extension() == ".json" ? read_speed_list(file, set) : read_speed_csv(file, set);
 }
 
 }  // namespace sightline

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/score/targets_file.h"
 
-#include <charconv>
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <ostream>
 #include <string_view>
@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "eval/output/csv.h"
+#include "eval/output/csv_reader.h"
 #include "eval/score/target_numbers.h"
 #include "scenes/files/input_error.h"
 
@@ -23,56 +24,6 @@ constexpr std::array<std::string_view, 9> kOwnColumns = {"method",     "scene_id
                                                          "obj_id",     "gt_id",      "true_tx_mm",
                                                          "true_ty_mm", "true_tz_mm", "estimated"};
 
-// The fields of a line; a quoted one may hold commas and doubled quotes, but no line ends.
-std::vector<std::string> fields_of(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool is_quoted = false;
-  for (size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    const bool is_doubled = is_quoted && c == '"' && i + 1 < line.size() && line[i + 1] == '"';
-    if (is_doubled) {
-      fields.back() += c;
-      ++i;
-    } else if (c == '"') {
-      is_quoted = !is_quoted;
-    } else if (c == ',' && !is_quoted) {
-      fields.emplace_back();
-    } else if (c != '\r') {
-      fields.back() += c;
-    }
-  }
-  return fields;
-}
-
-// A line of the file, to be read from its left.
-class TargetLine {
- public:
-  TargetLine(const std::filesystem::path& file, int number, std::vector<std::string> fields)
-      : file_(file), number_(number), fields_(std::move(fields)) {}
-
-  [[noreturn]] void fail(const std::string& problem) const {
-    throw InputError(fmt::format("{}: line {} {}", file_.string(), number_, problem));
-  }
-
-  const std::string& text() { return fields_[next_++]; }
-  bool is_empty() const { return fields_[next_].empty(); }
-
-  template <typename Number>
-  Number number() {
-    const std::string& field = fields_[next_++];
-    Number value{};
-    const auto [end, error] = std::from_chars(field.data(), field.data() + field.size(), value);
-    if (error == std::errc() && end == field.data() + field.size()) return value;
-    fail(fmt::format("has '{}' for a number", field));
-  }
-
- private:
-  const std::filesystem::path& file_;
-  int number_;
-  std::vector<std::string> fields_;
-  size_t next_ = 0;
-};
-
 bool is_error(const std::string& name) {
   for (const TargetNumber& number : target_numbers()) {
     if (number.name == name) return number.kind == TargetNumberKind::kError;
@@ -80,20 +31,16 @@ bool is_error(const std::string& name) {
   return false;
 }
 
-TargetRow row_of(TargetLine& line, const std::vector<std::string>& names) {
+TargetRow row_of(const CsvReader& csv, const std::vector<std::string>& names) {
   TargetRow row;
-  row.method = line.text();
-  for (int& id : row.id) id = line.number<int>();
-  for (double& coordinate : row.true_t_mm) coordinate = line.number<double>();
-  row.is_estimated = line.number<int>() != 0;
+  row.method = csv.text("method");
+  row.id = {csv.whole("scene_id"), csv.whole("im_id"), csv.whole("obj_id"), csv.whole("gt_id")};
+  row.true_t_mm = {csv.number("true_tx_mm"), csv.number("true_ty_mm"), csv.number("true_tz_mm")};
+  row.is_estimated = csv.whole("estimated") != 0;
   for (const std::string& name : names) {
-    if (!line.is_empty()) {
-      row.numbers.push_back(line.number<double>());
-      continue;
-    }
-    line.text();
     const bool is_missed = !row.is_estimated && is_error(name);
-    row.numbers.push_back(is_missed ? std::numeric_limits<double>::infinity() : kNoNumber);
+    const double if_empty = is_missed ? std::numeric_limits<double>::infinity() : kNoNumber;
+    row.numbers.push_back(csv.number_or(name, if_empty));
   }
   return row;
 }
@@ -125,12 +72,8 @@ void write_targets_csv(std::span<const MethodScores> methods, std::ostream& out)
 }
 
 TargetsTable read_targets_csv(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  std::string text;
-  if (!std::getline(stream, text)) {
-    throw InputError(fmt::format("{}: cannot be read, or is empty", file.string()));
-  }
-  const std::vector<std::string> columns = fields_of(text);
+  CsvReader csv(file);
+  const std::vector<std::string>& columns = csv.columns();
   const bool is_ours = columns.size() > kOwnColumns.size() &&
                        std::equal(kOwnColumns.begin(), kOwnColumns.end(), columns.begin());
   if (!is_ours) {
@@ -139,14 +82,7 @@ TargetsTable read_targets_csv(const std::filesystem::path& file) {
   }
   TargetsTable table;
   table.numbers.assign(columns.begin() + kOwnColumns.size(), columns.end());
-  for (int number = 2; std::getline(stream, text); ++number) {
-    TargetLine line(file, number, fields_of(text));
-    const size_t count = fields_of(text).size();
-    if (count != columns.size()) {
-      line.fail(fmt::format("has {} fields, must have {}", count, columns.size()));
-    }
-    table.rows.push_back(row_of(line, table.numbers));
-  }
+  while (csv.next()) table.rows.push_back(row_of(csv, table.numbers));
   if (table.rows.empty()) throw InputError(fmt::format("{}: has no target", file.string()));
   return table;
 }

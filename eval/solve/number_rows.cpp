@@ -3,14 +3,12 @@
 #include "eval/solve/number_rows.h"
 
 #include <algorithm>
-#include <charconv>
 #include <fstream>
-#include <optional>
 #include <string_view>
-#include <system_error>
 
 #include <fmt/format.h>
 
+#include "eval/output/numbers.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -27,14 +25,6 @@ std::vector<std::string_view> words_in(std::string_view line) {
     begin = line.find_first_not_of(kSeparators, end);
   }
   return words;
-}
-
-std::optional<double> number_in(std::string_view word) {
-  if (word.starts_with('+')) word.remove_prefix(1);
-  double value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
-  return value;
 }
 
 }  // namespace
@@ -54,10 +44,10 @@ std::vector<std::vector<double>> read_number_rows(const std::filesystem::path& f
     };
     const std::vector<std::string_view> words = words_in(line);
     if (words.empty() || words.front().starts_with('#')) continue;
-    if (rows.empty() && !number_in(words.front())) continue;  // the names of the columns
+    if (rows.empty() && !parsed_number(words.front())) continue;  // the names of the columns
     std::vector<double>& row = rows.emplace_back();
     for (const std::string_view word : words) {
-      const auto value = number_in(word);
+      const auto value = parsed_number(word);
       if (!value) fail(fmt::format("has '{}'", word));
       row.push_back(*value);
     }

@@ -25,10 +25,7 @@ namespace {
 // as plain, and no other's.
 void require_new_name(const TomlTable& table, const std::string& name,
                       const std::vector<std::string>& taken) {
-  const std::string allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
-  if (name.empty() || name.find_first_not_of(allowed) != std::string::npos) {
-    table.fail("name", fmt::format("is \"{}\", must be letters, digits, '-', '_' and '.'", name));
-  }
+  require_plain_name(table, name);
   if (std::find(taken.begin(), taken.end(), name) != taken.end()) {
     table.fail("name", fmt::format("is \"{}\", which is another's name already", name));
   }
@@ -103,13 +100,13 @@ GuestExtractors::GuestExtractors(const TomlTable& study, const std::vector<Trial
   }
 }
 
-std::shared_ptr<const TrialExtractor> GuestExtractors::find(const std::string& name,
-                                                            const ShownPictures& pictures) {
+std::shared_ptr<const TrialExtractor> GuestExtractors::find(
+    const std::string& name, const std::function<ShownPictures()>& pictures) {
   if (const auto ready = ready_.find(name); ready != ready_.end()) return ready->second;
   for (const ObservationSource& source : sources_) {
     if (source.name != name) continue;
     return ready_[name] =
-               std::make_shared<const TrialExtractor>(recorded_extractor(source, pictures));
+               std::make_shared<const TrialExtractor>(recorded_extractor(source, pictures()));
   }
   return nullptr;
 }

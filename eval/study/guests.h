@@ -5,6 +5,7 @@
 // names them.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -50,10 +51,10 @@ class GuestExtractors {
 
   bool are_files_among() const { return !sources_.empty(); }
   const std::vector<std::string>& names() const { return names_; }
-  /// The extractor of that name, about these pictures; null where no guest has the name. Its file
-  /// is read when it is first asked for. Throws InputError for what is wrong in it.
+  /// The extractor of that name; null where no guest has the name. Its file, which is about these
+  /// pictures, is read when it is first asked for. Throws InputError for what is wrong in it.
   std::shared_ptr<const TrialExtractor> find(const std::string& name,
-                                             const ShownPictures& pictures);
+                                             const std::function<ShownPictures()>& pictures);
 
  private:
   std::vector<std::string> names_;

@@ -95,7 +95,7 @@ void choose_extractor(const TomlTable& table, const std::string& name, const Ima
     setup.extractors.choose(*own);
   } else if (name != kExtractorsByKind) {
     try {
-      setup.guest = guests.find(name, pictures_of(study, setup.scene, common));
+      setup.guest = guests.find(name, [&] { return pictures_of(study, setup.scene, common); });
     } catch (const InputError& error) {
       table.fail("observations", fmt::format("cannot be used: {}", error.what()));
     }

@@ -46,6 +46,13 @@ std::vector<std::string> read_feature_names(const TomlTable& table,
 
 }  // namespace
 
+void require_plain_name(const TomlTable& table, const std::string& name) {
+  const std::string allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
+  if (name.empty() || name[0] == '.' || name.find_first_not_of(allowed) != std::string::npos) {
+    table.fail("name", fmt::format("is \"{}\", must be letters, digits, '-', '_' and '.'", name));
+  }
+}
+
 size_t index_of(const std::string& name, const std::vector<std::string>& names,
                 const TomlTable& table, const char* key) {
   const auto found = std::find(names.begin(), names.end(), name);

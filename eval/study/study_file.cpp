@@ -31,14 +31,6 @@ std::vector<std::string> settings_of(const StudyOverrides& overrides) {
   return settings;
 }
 
-// The name becomes that of a folder.
-void require_file_name(const TomlTable& table, const std::string& name) {
-  const std::string allowed = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.";
-  if (name.empty() || name[0] == '.' || name.find_first_not_of(allowed) != std::string::npos) {
-    table.fail("name", fmt::format("is \"{}\", must be letters, digits, '-', '_' and '.'", name));
-  }
-}
-
 Study read_table(const TomlTable& table, const std::string& fallback_name, Use use,
                  const Guests& given) {
   Study study;
@@ -49,7 +41,7 @@ Study read_table(const TomlTable& table, const std::string& fallback_name, Use u
     table.fail("kind", "is of a study that renders nothing");
   }
   study.name = table.text("name", fallback_name);
-  require_file_name(table, study.name);
+  require_plain_name(table, study.name);  // it becomes that of a folder
   study.title = table.text("title", study.name);
   study.question = table.text("question", "");
   study.reference = table.text("reference", "");

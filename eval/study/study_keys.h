@@ -20,6 +20,10 @@ namespace sightline {
 /// needs neither solvers nor features.
 enum class Use { kTrials, kRendering };
 
+/// Refuses, by an InputError, a name that is to be a file's or an option's and is not plain:
+/// letters, digits, '-', '_' and '.', and not '.' first.
+void require_plain_name(const TomlTable& table, const std::string& name);
+
 /// The place of `name` in a list of names; an InputError with a suggestion where it has none.
 size_t index_of(const std::string& name, const std::vector<std::string>& names,
                 const TomlTable& table, const char* key);

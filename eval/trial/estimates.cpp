@@ -86,7 +86,7 @@ bool is_rigid(const Pose& pose) {
          pose.rotation.determinant() > 0;
 }
 
-// The names of the points that a solver is given.
+// The names of the points that solvers are given.
 std::vector<std::string> features_of(const FoundPoints& found, const TrialRecord& record) {
   std::vector<std::string> features;
   for (const int slot : found.slots) features.push_back(record.observations()[slot].feature);
@@ -94,14 +94,14 @@ std::vector<std::string> features_of(const FoundPoints& found, const TrialRecord
 }
 
 EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const std::string& name,
-                     const FoundPoints& found, const TrialRecord& record) {
+                     const FoundPoints& found, const std::vector<std::string>& features,
+                     const TrialRecord& record) {
   PoseProblem problem = found.problem;
   if (solver.evaluation_only) {
     for (const int slot : found.slots) {
       problem.true_inliers.push_back(!record.observations()[slot].is_outlier);
     }
   }
-  const std::vector<std::string> features = features_of(found, record);
   const SolverAnswer answer = solver.solve({problem, study.solving.options, features, found.trial});
   const PoseEstimate& estimate = answer.estimate;
   EstimateRecord out;
@@ -193,14 +193,17 @@ FoundPoints points_for(PoseInput input, uint64_t seed, const FoundPoints& found,
 std::vector<EstimateRecord> estimates_of(const PoseStudy& study, uint64_t seed,
                                          const FoundPoints& found, const TrialRecord& record) {
   std::vector<EstimateRecord> estimates;
+  const std::vector<std::string> features = features_of(found, record);
   for (const TrialSolver& solver : study.solving.solvers) {
-    estimates.push_back(solve(study, solver, solver.name, found, record));
+    estimates.push_back(solve(study, solver, solver.name, found, features, record));
   }
   for (const PoseInput input : study.solving.inputs) {
     const FoundPoints points = points_for(input, seed, found, record);
+    const std::vector<std::string> given = features_of(points, record);
     for (const TrialSolver& solver : study.solving.solvers) {
       if (!can_be_given_inputs(solver)) continue;
-      estimates.push_back(solve(study, solver, name_with(solver.name, input), points, record));
+      estimates.push_back(
+          solve(study, solver, name_with(solver.name, input), points, given, record));
     }
   }
   return estimates;

@@ -58,30 +58,16 @@ py::tuple run_handle(const StudyHandle& handle, const std::string& out, int jobs
                         result.figures_note);
 }
 
-const char* name_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kUnchanged:
-      return "unchanged";
-    case Verdict::kBetter:
-      return "better";
-    case Verdict::kWorse:
-      return "worse";
-    case Verdict::kMissing:
-      return "missing";
-  }
-  return "unknown";
-}
-
 py::list comparison_rows(const Comparison& comparison) {
   py::list rows;
   for (const CellDifference& cell : comparison.cells) {
     for (const Difference& d : cell.differences) {
-      rows.append(py::make_tuple(cell.condition, cell.solver, name_of(cell.verdict), d.quantity,
+      rows.append(py::make_tuple(cell.condition, cell.solver, to_string(cell.verdict), d.quantity,
                                  d.trials, d.base, d.now, d.ci95[0], d.ci95[1], d.p,
-                                 name_of(d.verdict)));
+                                 to_string(d.verdict)));
     }
     if (cell.differences.empty()) {
-      rows.append(py::make_tuple(cell.condition, cell.solver, name_of(cell.verdict)));
+      rows.append(py::make_tuple(cell.condition, cell.solver, to_string(cell.verdict)));
     }
   }
   return rows;

@@ -48,16 +48,6 @@ Matrix6d symmetric_of(std::span<const double> upper_triangle) {
   return matrix;
 }
 
-std::vector<std::string> names_in(std::string_view list) {
-  std::vector<std::string> names;
-  while (!list.empty()) {
-    const size_t end = std::min(list.find(';'), list.size());
-    if (end > 0) names.emplace_back(list.substr(0, end));
-    list.remove_prefix(std::min(end + 1, list.size()));
-  }
-  return names;
-}
-
 BopEstimate estimate_of(const CsvReader& csv) {
   BopEstimate estimate;
   estimate.scene_id = csv.whole("scene_id");
@@ -74,7 +64,7 @@ BopEstimate estimate_of(const CsvReader& csv) {
   if (csv.has_column(kCovariance) && !csv.is_empty(kCovariance)) {
     estimate.covariance_rad_m = symmetric_of(csv.numbers(kCovariance, 21));
   }
-  if (csv.has_column(kRemoved)) estimate.removed = names_in(csv.text(kRemoved));
+  if (csv.has_column(kRemoved)) estimate.removed = csv.names(kRemoved);
   return estimate;
 }
 

@@ -21,8 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kQuaternionTolerance = 1e-2;  // what few printed digits leave of its length
-
 std::vector<fs::path> lists_in(const fs::path& folder, std::span<const std::string_view> names) {
   std::vector<fs::path> lists;
   for (const std::string_view name : names) {
@@ -106,12 +104,8 @@ Pose stated_pose(const Json& entry) {
       entry.contains(speed::kAttitude) ? speed::kAttitude : speed::kAttitudeOfSpeed;
   const std::vector<double> q = numbers_in(entry, key, 4);
   const std::vector<double> r = numbers_in(entry, speed::kPosition, 3);
-  const Eigen::Quaterniond quaternion(q[0], q[1], q[2], q[3]);
-  if (std::abs(quaternion.norm() - 1) > kQuaternionTolerance) {
-    throw InputError(
-        fmt::format("{} has the length {}, must have length 1", key, quaternion.norm()));
-  }
-  return {quaternion.normalized().toRotationMatrix(), Eigen::Vector3d(r[0], r[1], r[2])};
+  return {rotation_of_printed(Eigen::Quaterniond(q[0], q[1], q[2], q[3]), key),
+          Eigen::Vector3d(r[0], r[1], r[2])};
 }
 
 // Sightline's own sets have the model beside them, in the target's frame.

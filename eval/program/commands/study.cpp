@@ -1,11 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstdlib>
 #include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
-#include <system_error>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -17,8 +15,8 @@
 #include "eval/study/study_file.h"
 #include "eval/tables/plan_table.h"
 #include "eval/work/interrupt.h"
+#include "eval/work/private_folder.h"
 #include "renderer/renderer.h"
-#include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {
@@ -42,29 +40,6 @@ struct StudyArguments {
   std::string study;
   RunArguments run;
   double planned_width = 0;  // relative half-width of the means' intervals; 0: run the study
-};
-
-// A folder that nobody else can have made or look into, and that goes with this.
-class PrivateFolder {
- public:
-  PrivateFolder() {
-    std::string name = (fs::temp_directory_path() / "sightline-plan-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw InputError(fmt::format("{}: cannot be made", name));
-    }
-    path_ = name;
-  }
-  ~PrivateFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  PrivateFolder(const PrivateFolder&) = delete;
-  PrivateFolder& operator=(const PrivateFolder&) = delete;
-
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
 };
 
 // Says how many trials a condition needs for intervals so wide, from a pilot of few.

@@ -141,6 +141,26 @@ TEST_F(Doors, EstimatesOfAFileAreASolverBesideOurs) {
     EXPECT_EQ(by_solver.at("mine"), by_solver.at("lspe"));
 }
 
+TEST_F(Doors, GuestsInShardsMergeToOneRun) {
+  ASSERT_EQ(evaluate("own", "--solvers lspe").exit_code, 0);
+  const std::string guests =
+      "--solvers lspe,oracle --observations net=" + observations_file("own", "net.csv", 0.2) +
+      " --estimates mine=" + path("own") + "/results.csv ";
+  ASSERT_EQ(evaluate("whole", guests).exit_code, 0);
+  for (const std::string shard : {"0", "1"}) {
+    const Outcome part = evaluate("part-" + shard, guests + "--shard " + shard + "/2");
+    ASSERT_EQ(part.exit_code, 0) << part.output;
+  }
+  const std::string merge =
+      "merge " + path("part-0") + " " + path("part-1") + " --out " + path("merged");
+  const Outcome merged = run(merge);
+  ASSERT_EQ(merged.exit_code, 0) << merged.output;
+  EXPECT_EQ(read_whole(path("merged") + "/results.csv"),
+            read_whole(path("whole") + "/results.csv"));
+  EXPECT_EQ(read_whole(path("merged") + "/summary.json"),
+            read_whole(path("whole") + "/summary.json"));
+}
+
 TEST_F(Doors, MissingEstimatesAreFailedTrials) {
   const std::string head = "scene_id,im_id,obj_id,score,R,t,time\n";
   const std::string row = "0,1,1,1,1 0 0 0 1 0 0 0 1,0 0 10000,-1\n";

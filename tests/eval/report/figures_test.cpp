@@ -191,5 +191,24 @@ TEST(FramesFigure, ListsEveryTrialWithItsErrorAndKind) {
   EXPECT_TRUE(has(page, R"("shards":4)"));
 }
 
+// Two extractors on the same pictures, of which the second costs exactly one degree in every draw,
+// while the draws differ by far more.
+TEST(AnswerFigure, ComparesExtractorsOnTheSamePictures) {
+  SmallReport report;
+  report.study.conditions = {{"ours", {}, {}, {{"extractor", "ours"}}},
+                             {"theirs", {}, {}, {{"extractor", "theirs"}}}};
+  report.trials.clear();
+  for (int draw = 0; draw < 8; ++draw) {
+    const double error_deg = 2 + (draw * 5) % 8;
+    report.trials.push_back(small_trial(2 * draw, error_deg));
+    report.trials.push_back(small_trial(2 * draw + 1, error_deg + 1));
+  }
+  EXPECT_TRUE(has(report.page(),
+                  "the θ error of ORPE with ours is 1.00° [1.00, 1.00] smaller than "
+                  "that of ORPE with theirs in the mean"));
+  report.study.conditions[1].values["noise.scale"] = 2;
+  EXPECT_FALSE(has(report.page(), "ORPE with theirs")) << "these are other pictures";
+}
+
 }  // namespace
 }  // namespace sightline

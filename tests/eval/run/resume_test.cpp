@@ -3,7 +3,10 @@
 //
 // Runs that are killed, interrupted, or find no room, and what continues them: real processes.
 #include <chrono>
+#include <fstream>
+#include <map>
 #include <random>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -233,6 +236,32 @@ TEST_F(Resume, AnInterruptKeepsFinishedTrialsOfARunThatMayBeResumed) {
   const Outcome left = interrupted("left", "");
   EXPECT_THAT(left.output, HasSubstr("nothing was written"));
   EXPECT_FALSE(fs::exists(staging_folder(out("left"))));
+}
+
+TEST_F(Resume, AMergeThatWasKilledIsRepeated) {
+  for (const std::string shard : {"0", "1"}) {
+    ASSERT_EQ(run(kStudy + to("shard-" + shard) + " --shard " + shard + "/2").exit_code, 0);
+  }
+  const std::string merge = "merge " + out("shard-0").string() + " " + out("shard-1").string() +
+                            " --out " + out("merged").string();
+  const fs::path staging = staging_folder(out("merged"));
+  const auto leave = [&](const std::map<std::string, std::string>& meta) {
+    fs::create_directories(staging);
+    std::ofstream(staging / ".lock").close();
+    TrialRecord trial;
+    Store::create(staging / "results.sqlite", meta).add(std::span(&trial, 1));
+  };
+  leave({{"merged", "2"}});
+  const Outcome repeated = run(merge);
+  EXPECT_EQ(repeated.exit_code, 0) << repeated.output;
+  EXPECT_FALSE(fs::exists(staging));
+  fs::remove_all(out("merged"));
+
+  leave({});  // of a run, whose trials nobody else has
+  const Outcome refused = run(merge);
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_THAT(refused.output, HasSubstr("an ended run left"));
+  EXPECT_TRUE(fs::exists(staging / "results.sqlite"));
 }
 
 TEST_F(Resume, AFolderThatCannotBeWrittenIsOneLine) {

@@ -118,8 +118,8 @@ TEST_F(SpeedScores, SayInALineWhatIsWrong) {
   EXPECT_THAT(error("twice.csv", row + row), HasSubstr("twice.csv: line 2 names a picture that"));
   EXPECT_THAT(error("no.csv", "img9.png,1,0,0,0,0,0,9\n"),
               HasSubstr("line 1: the set has no picture"));
-  EXPECT_THAT(error("few.csv", row + "img000001.png,1,0\n"), HasSubstr("line 2: has 3 fields"));
-  EXPECT_THAT(error("text.csv", "img000001.png,1,0,0,0,0,x,9\n"), HasSubstr("line 1: has 'x'"));
+  EXPECT_THAT(error("few.csv", row + "img000001.png,1,0\n"), HasSubstr("line 2 has 3 fields"));
+  EXPECT_THAT(error("text.csv", "img000001.png,1,0,0,0,0,x,9\n"), HasSubstr("line 1 has 'x'"));
   EXPECT_THAT(error("long.csv", "img000001.png,2,0,0,0,0,0,9\n"), HasSubstr("has the length 2"));
   EXPECT_THAT(error("list.json", R"([{"filename": "img000001.png"}])"),
               HasSubstr("has no q_vbs2tango_true"));

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pose/pose.h"
+
+namespace sightline {
+
+/// What a method says of the target in one picture.
+struct SpeedEstimate {
+  std::string picture;  ///< its file's name, without folders
+  Pose cam_from_model;  ///< metres
+  int line = 0;         ///< of the file, from 1
+};
+
+/// Poses as ESA's challenges take them: a line a picture of its file's name, a quaternion, scalar
+/// first, and a translation in metres, with commas between them. A first line of names, which
+/// begins with "filename", does not count. Throws InputError, with file and line, for whatever is
+/// not so, and for a picture that stands there twice.
+std::vector<SpeedEstimate> read_speed_results(const std::filesystem::path& file);
+
+}  // namespace sightline
