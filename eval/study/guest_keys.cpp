@@ -62,7 +62,7 @@ std::vector<TrialSolver> read_guest_solvers(const TomlTable& study, const Sighte
     try {
       solvers.push_back(recorded_solver(source, set));
     } catch (const InputError& error) {
-      table.fail("file", fmt::format("cannot be used: {}", error.what()));
+      throw InputError(fmt::format("estimates {}: {}", source.name, error.what()));
     }
   }
   for (const TomlTable& table : study.table("external").tables("solver")) {

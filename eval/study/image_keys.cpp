@@ -97,7 +97,7 @@ void choose_extractor(const TomlTable& table, const std::string& name, const Ima
     try {
       setup.guest = guests.find(name, [&] { return pictures_of(study, setup.scene, common); });
     } catch (const InputError& error) {
-      table.fail("observations", fmt::format("cannot be used: {}", error.what()));
+      throw InputError(fmt::format("observations {}: {}", name, error.what()));
     }
   }
 }

@@ -73,11 +73,12 @@ py::list comparison_rows(const Comparison& comparison) {
   return rows;
 }
 
-py::dict compare_folders(const std::string& base, const std::string& now, double tolerance) {
+py::dict compare_folders(const std::string& base, const std::string& now, double tolerance,
+                         const std::vector<std::string>& measures) {
   Comparison comparison;
   {
     const LongCall call;
-    comparison = compare_runs(base, now, tolerance);
+    comparison = compare_runs(base, now, tolerance, measures);
   }
   py::dict out;
   out["study"] = comparison.study;
@@ -88,6 +89,11 @@ py::dict compare_folders(const std::string& base, const std::string& now, double
   out["markdown"] = to_markdown(comparison);
   out["junit"] = to_junit(comparison);
   return out;
+}
+
+std::string rewrite_report_of(const std::string& folder) {
+  const LongCall call;
+  return rewrite_report(folder).figures_note;
 }
 
 py::list conditions_of(const StudyHandle& handle) {
@@ -118,6 +124,7 @@ void bind_study(py::module_& module) {
   module.def("read_study", &read_with_guests);
   module.def("run", &run_handle);
   module.def("compare", &compare_folders);
+  module.def("rewrite_report", &rewrite_report_of);
 }
 
 }  // namespace sightline

@@ -32,14 +32,14 @@ from sightline.pose import (
     solve,
     solvers,
 )
-from sightline.results import Comparison, Run, compare
+from sightline.results import Comparison, Report, Run, compare
 from sightline.study import Study, studies
 
 __version__: str = _sightline.version
 
 __all__ = [
     "Alignment", "Body", "Camera", "Comparison", "Diagnosis", "ExtractorQuestion", "Frame",
-    "InputError", "Observations", "PoseEstimate", "Run", "Scene", "SolverQuestion", "Study",
+    "InputError", "Observations", "PoseEstimate", "Report", "Run", "Scene", "SolverQuestion", "Study",
     "Target", "TrialName", "align", "compare", "extractors", "methods", "render", "solve",
     "solvers", "studies", "target", "targets",
 ]

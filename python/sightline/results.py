@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import html
 import json
 import os
 import pathlib
@@ -75,9 +76,9 @@ class Run:
         return f"<sightline.Run {self.path}>"
 
     @property
-    def report(self) -> pathlib.Path:
+    def report(self) -> Report:
         """The report, a page in one file."""
-        return self.path / "report.html"
+        return Report(self)
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -129,6 +130,38 @@ class Run:
         return {name: _column(name, of_name) for name, of_name in zip(names, fields)}
 
 
+class Report:
+    """The report of a run: one page in one file. A notebook shows it where it is the last value.
+
+    It is a path to whatever takes one: open(report), shutil.copy(report, ...). Raises InputError
+    where there is no run.
+    """
+
+    def __init__(self, run: Union[Run, str, os.PathLike]) -> None:
+        self._run = run if isinstance(run, Run) else Run(run)
+        self.path = self._run.path / "report.html"
+
+    def __fspath__(self) -> str:
+        return str(self.path)
+
+    def __repr__(self) -> str:
+        return f"<sightline.Report {self.path}>"
+
+    @property
+    def html(self) -> str:
+        """The page."""
+        return self.path.read_text(encoding="utf-8")
+
+    def rewrite(self) -> Report:
+        """Writes results.csv, summary.json and the page anew from the trials, as the program does."""
+        self._run.note = _sightline.rewrite_report(str(self._run.path))
+        return self
+
+    def _repr_html_(self) -> str:
+        page = html.escape(self.html, quote=True)
+        return f'<iframe srcdoc="{page}" width="100%" height="800" sandbox="allow-scripts"></iframe>'
+
+
 @dataclasses.dataclass(frozen=True)
 class Comparison:
     """What `sightline compare` says of two runs of one study."""
@@ -160,17 +193,20 @@ def compare(
     base: Union[Run, str, os.PathLike],
     new: Union[Run, str, os.PathLike],
     tolerance: float = 0.0,
+    measures: Sequence[str] = (),
 ) -> Comparison:
     """Says of every cell whether `new` is better, worse or unchanged against `base`.
 
-    Each is a Run, a run's folder, or a summary.json alone. `tolerance` is what means may change
-    by as a part of the base's, failures as a part of the trials. Raises InputError for what cannot
-    be read, and for runs of different studies.
+    Each is a Run, a run's folder, a summary.json alone, or what `sightline score` left. `tolerance`
+    is what errors may change by as a part of the base's, rates as a part of the trials. `measures`
+    are what is judged by, as `sightline list measures` names them; none: mean and middle of
+    geodesic_deg and t_error_percent, and failure_rate. Raises InputError for what cannot be read,
+    and for runs of different studies.
     """
     part = float(_checks.array("compare: tolerance", tolerance, ()))
     if not 0 <= part <= 1:
         raise InputError(f"compare: tolerance is {part}, must be from 0 to 1")
     folders = [os.fspath(run.path if isinstance(run, Run) else run) for run in (base, new)]
-    out = _sightline.compare(*folders, part)
+    out = _sightline.compare(*folders, part, list(measures))
     return Comparison(out["study"], out["how"], out["is_worse"], out["text"], out["markdown"],
                       out["junit"], out["rows"])

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The Sightline authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 import csv
+import os
 import xml.etree.ElementTree
 
 import numpy as np
@@ -59,9 +60,27 @@ def test_a_run_is_found_again(runs, tmp_path):
     again = sl.Run(runs[0].path)
     assert again.summary == runs[0].summary and again.summary["study"] == "cube-noise"
     assert again.manifest["command"] == "sightline.Study('cube-noise').run()"
-    assert again.report.read_text(encoding="utf-8").lstrip().startswith("<!")
+    assert again.report.html.lstrip().startswith("<!") and os.path.isfile(again.report)
     with pytest.raises(sl.InputError, match="holds no results.csv; must be the folder of a run"):
         sl.Run(tmp_path)
+
+
+def test_a_report_is_written_anew_and_shown(runs):
+    report = sl.Report(runs[0].path)
+    shown = report._repr_html_()
+    assert shown.count("<") == 2 and "srcdoc" in shown  # the page's own are escaped
+    report.path.unlink()
+    assert report.rewrite().html.lstrip().startswith("<!")
+    with pytest.raises(sl.InputError, match="must be the folder of a run"):
+        sl.Report(runs[0].path / "figures")
+
+
+def test_comparisons_may_be_by_other_measures(runs):
+    base, _, worse = runs
+    rows = sl.compare(base, worse, measures=["geodesic_deg.p90", "failure_rate"]).columns()
+    assert set(rows["quantity"]) == {"geodesic_deg.p90", "failure_rate"}
+    with pytest.raises(sl.InputError, match="did you mean"):
+        sl.compare(base, worse, measures=["geodesic_deg.p9"])
 
 
 def test_comparisons_are_the_programs(runs, program):

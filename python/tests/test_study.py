@@ -29,7 +29,7 @@ def test_a_run_is_the_programs_byte_for_byte(here, program, study, trials, jobs)
     assert outcome.returncode == 0, outcome.stderr
     for name in ("results.csv", "summary.json", "study.toml"):
         assert read("ours", name) == read("theirs", name)
-    assert run.path == here / "ours" and run.report.is_file()
+    assert run.path == here / "ours" and run.report.path.is_file()
     other = sl.Study(study, trials=trials, seed=8).run("other")
     assert read(other.path) != read("ours")
 
