@@ -39,8 +39,8 @@ __version__: str = _sightline.version
 
 __all__ = [
     "Alignment", "Body", "Camera", "Comparison", "Diagnosis", "ExtractorQuestion", "Frame",
-    "InputError", "Observations", "PoseEstimate", "Report", "Run", "Scene", "SolverQuestion", "Study",
-    "Target", "TrialName", "align", "compare", "extractors", "methods", "render", "solve",
+    "InputError", "Observations", "PoseEstimate", "Report", "Run", "Scene", "SolverQuestion",
+    "Study", "Target", "TrialName", "align", "compare", "extractors", "methods", "render", "solve",
     "solvers", "studies", "target", "targets",
 ]
 

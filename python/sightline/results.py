@@ -153,13 +153,14 @@ class Report:
         return self.path.read_text(encoding="utf-8")
 
     def rewrite(self) -> Report:
-        """Writes results.csv, summary.json and the page anew from the trials, as the program does."""
+        """Writes results.csv, summary.json and the page anew, as `sightline report` does."""
         self._run.note = _sightline.rewrite_report(str(self._run.path))
         return self
 
     def _repr_html_(self) -> str:
         page = html.escape(self.html, quote=True)
-        return f'<iframe srcdoc="{page}" width="100%" height="800" sandbox="allow-scripts"></iframe>'
+        return (f'<iframe srcdoc="{page}" width="100%" height="800" sandbox="allow-scripts">'
+                "</iframe>")
 
 
 @dataclasses.dataclass(frozen=True)
