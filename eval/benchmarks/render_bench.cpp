@@ -15,12 +15,12 @@
 #include <benchmark/benchmark.h>
 #include <embree3/rtcore.h>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <unistd.h>
 
 #include "eval/benchmarks/benches.h"
 #include "renderer/renderer.h"
 #include "renderer/sample_pattern.h"
+#include "scenes/picture/picture_file.h"
 #include "scenes/target/target.h"
 
 namespace sightline {
@@ -48,10 +48,8 @@ size_t encode(const cv::Mat& image, const cv::Mat& depth_m, const cv::Mat& body_
   cv::Mat depth;
   depth_m.convertTo(depth, CV_16U, 50);
   size_t bytes = 0;
-  std::vector<uchar> png;
   for (const cv::Mat& picture : {image, depth, cv::Mat(body_ids != 0)}) {
-    cv::imencode(".png", picture, png);
-    bytes += png.size();
+    bytes += png_bytes(picture).size();
   }
   return bytes;
 }

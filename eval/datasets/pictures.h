@@ -15,10 +15,6 @@ namespace sightline {
 /// "000017": six digits or more.
 std::string six_digits(int64_t number);
 
-/// A picture as PNG, fast rather than small.
-std::string png_bytes(const cv::Mat& picture);
-/// A picture of 32-bit floating point as TIFF.
-std::string tiff_bytes(const cv::Mat& picture);
 /// The picture in a file, as it is; empty when it is not whole.
 cv::Mat read_picture(const std::filesystem::path& file);
 /// The same as grey levels, one channel of 8 or 16 bits; empty where the file has no such picture.

@@ -8,10 +8,11 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "eval/doors/process_json.h"
+#include "eval/output/output_folder.h"
 #include "scenes/files/input_error.h"
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {
@@ -29,8 +30,7 @@ class ImageFile {
     is_own_ = true;
     path_ = process.scratch() /
             fmt::format("{}-{}-{}.png", process.name(), process.job(), asked.trial.trial);
-    if (cv::imwrite(path_.string(), asked.image, {cv::IMWRITE_PNG_COMPRESSION, 1})) return;
-    throw InputError(fmt::format("{}: cannot be written", path_.string()));
+    write_file(path_, png_bytes(asked.image));
   }
   ~ImageFile() {
     std::error_code ignored;

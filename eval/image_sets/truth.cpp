@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "eval/datasets/pictures.h"
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {

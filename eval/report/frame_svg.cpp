@@ -10,11 +10,11 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "eval/output/html.h"
 #include "eval/output/numbers.h"
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {
@@ -35,7 +35,7 @@ std::string px(double value) {
   return text == "-0" ? "0" : text;
 }
 
-std::string base64(const std::vector<uint8_t>& bytes) {
+std::string base64(std::string_view bytes) {
   constexpr std::string_view kDigits =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
@@ -43,7 +43,7 @@ std::string base64(const std::vector<uint8_t>& bytes) {
   for (size_t i = 0; i < bytes.size(); i += 3) {
     const size_t count = std::min<size_t>(3, bytes.size() - i);
     uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? bytes[i + k] : 0);
+    for (size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? static_cast<uint8_t>(bytes[i + k]) : 0);
     for (size_t k = 0; k < 4; ++k) {
       text += k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
     }
@@ -80,11 +80,7 @@ cv::Mat reduced(const cv::Mat& image, int reduction) {
 }
 
 std::string png_data_url(const cv::Mat& image) {
-  std::vector<uint8_t> png;
-  cv::imencode(
-      ".png", image, png,
-      {cv::IMWRITE_PNG_COMPRESSION, 9, cv::IMWRITE_PNG_STRATEGY, cv::IMWRITE_PNG_STRATEGY_DEFAULT});
-  return "data:image/png;base64," + base64(png);
+  return "data:image/png;base64," + base64(png_bytes(image, PngEffort::kSmall));
 }
 
 // A mark on a dark line, to be seen on white paint and on the night sky.

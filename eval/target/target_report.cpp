@@ -8,8 +8,8 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
+#include "eval/output/output_folder.h"
 #include "eval/target/silhouette.h"
 #include "eval/target/target_proposal.h"
 #include "pose/angles.h"
@@ -17,6 +17,7 @@
 #include "renderer/renderer.h"
 #include "scenes/files/input_error.h"
 #include "scenes/mesh/mesh_inspection.h"
+#include "scenes/picture/picture_file.h"
 #include "scenes/target/target.h"
 
 namespace sightline {
@@ -146,12 +147,11 @@ void write_picture(const cv::Mat& image, const std::string& file) {
   if (std::filesystem::path(file).extension() != ".png") {
     throw InputError(fmt::format("--picture {}: must end in .png", file));
   }
-  bool is_written = false;
   try {
-    is_written = cv::imwrite(file, image);
-  } catch (const cv::Exception&) {
+    write_file(file, png_bytes(image));
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("--picture {}", error.what()));
   }
-  if (!is_written) throw InputError(fmt::format("--picture {}: cannot be written", file));
 }
 
 namespace {

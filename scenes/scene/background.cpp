@@ -6,7 +6,9 @@
 #include <filesystem>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
+
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {
@@ -25,15 +27,9 @@ void read_picture(const TomlTable& table, BackgroundLaw& law) {
   const std::filesystem::path given = table.text("file");
   const std::filesystem::path beside = table.file().parent_path() / given;
   const std::filesystem::path file = std::filesystem::exists(beside) ? beside : given;
-  cv::Mat grey;
-  try {
-    grey = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception&) {
-  }
-  if (grey.empty()) {
-    table.fail("file",
-               fmt::format("is \"{}\", which is no picture that can be read", given.string()));
-  }
+  const auto [grey, problem] = read_picture_file(file, PictureChannels::kGrey);
+  if (!problem.empty())
+    table.fail("file", fmt::format("is \"{}\", which {}", given.string(), problem));
   auto pixels = std::make_shared<std::vector<float>>();
   pixels->reserve(grey.total());
   for (int v = 0; v < grey.rows; ++v) {

@@ -11,7 +11,6 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "renderer/edge_errors.h"

@@ -16,6 +16,7 @@
 #include "eval/image_sets/coco_keypoints.h"
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {

@@ -11,6 +11,7 @@
 #include "eval/datasets/speed/write.h"
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {

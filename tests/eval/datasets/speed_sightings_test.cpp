@@ -11,9 +11,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 
 #include "eval/datasets/sightings.h"
+#include "scenes/picture/picture_file.h"
 #include "scenes/target/target.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
@@ -30,8 +30,8 @@ class ForeignSpeed : public testing::Test {
  protected:
   ForeignSpeed() {
     fs::create_directories(folder_.path() / "synthetic/images");
-    cv::imwrite((folder_.path() / "synthetic/images/img1.jpg").string(),
-                cv::Mat(kHeight, kWidth, CV_8U, cv::Scalar(40)));
+    folder_.write("synthetic/images/img1.jpg",
+                  jpeg_bytes(cv::Mat(kHeight, kWidth, CV_8U, cv::Scalar(40))));
     folder_.write("camera.json",
                   R"({"Nu": 320, "Nv": 240, "ppx": 1e-5, "ppy": 2e-5, "fx": 0.009, "fy": 0.0183,
                       "ccx": 160, "ccy": 120, "cameraMatrix": [[900, 0, 160], [0, 915, 120],

@@ -14,10 +14,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "eval/datasets/coco/write.h"
+#include "scenes/picture/picture_file.h"
 #include "tests/eval/program.h"
 #include "tests/scenes/temporary_folder.h"
 
@@ -46,7 +46,7 @@ class CocoKeypoints : public testing::Test {
     return json::parse(read_whole(folder_.path() / file));
   }
   cv::Mat picture(const std::string& file) const {
-    return cv::imread(path(file), cv::IMREAD_UNCHANGED);
+    return read_picture_file(path(file)).pixels;
   }
   // The body of an annotation in our own truth; of sets of one scene.
   json body_of(const std::string& set, const json& annotation) const {

@@ -15,11 +15,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <unistd.h>
 
 #include "eval/image_sets/set_plan.h"
+#include "scenes/picture/picture_file.h"
 #include "scenes/random/random.h"
 #include "tests/eval/program.h"
 #include "tests/scenes/temporary_folder.h"
@@ -49,7 +49,7 @@ class ImageSet : public testing::Test {
     return json::parse(read_whole(folder_.path() / file));
   }
   cv::Mat picture(const std::string& file) const {
-    return cv::imread(path(file), cv::IMREAD_UNCHANGED);
+    return read_picture_file(path(file)).pixels;
   }
   // Every file of a set by its path, but for the lock.
   std::map<std::string, std::string> tree(const std::string& set) const {

@@ -14,7 +14,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "eval/datasets/model_file.h"
@@ -22,6 +21,7 @@
 #include "eval/datasets/sightings.h"
 #include "eval/study/study_file.h"
 #include "eval/trial/image_trial.h"
+#include "scenes/picture/picture_file.h"
 #include "tests/eval/program.h"
 #include "tests/eval/studies.h"
 #include "tests/eval/trial/inliers.h"
@@ -92,7 +92,9 @@ class ForeignSet : public testing::Test {
     cv::Mat colour;
     cv::cvtColor(renderer.render(scene, RandomStream(1, name, 0)).image, colour,
                  cv::COLOR_GRAY2BGR);
-    ASSERT_TRUE(cv::imwrite((scene_ / "rgb" / name).string(), colour));
+    const bool is_jpeg = fs::path(name).extension() == ".jpg";
+    std::ofstream(scene_ / "rgb" / name, std::ios::binary)
+        << (is_jpeg ? jpeg_bytes(colour) : png_bytes(colour));
   }
   SightingSource source() const {
     SightingSource source;
@@ -227,7 +229,7 @@ TEST_F(ForeignSet, HidesWhatTheMaskLeavesOut) {
   const int half_px = 195;  // through the cube
   mask(cv::Rect(0, 0, half_px, kHeight)) = 255;
   fs::create_directories(scene_ / "mask_visib");
-  ASSERT_TRUE(cv::imwrite((scene_ / "mask_visib/000017_000000.png").string(), mask));
+  std::ofstream(scene_ / "mask_visib/000017_000000.png", std::ios::binary) << png_bytes(mask);
   const Trial half = run_trial(read_study_text(toml, "evaluate"), 1, renderer);
   int hidden = 0, visible = 0;
   for (size_t i = 0; i < cube_->features.size(); ++i) {

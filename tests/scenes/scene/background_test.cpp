@@ -37,7 +37,7 @@ TEST(Background, MistakesGetOneClearLine) {
   EXPECT_THAT(law_error("[background]\nkind = \"cloud\""), HasSubstr("clouds"));
   EXPECT_THAT(law_error("[background]\nfile = \"x.png\""), HasSubstr("kind = \"image\""));
   EXPECT_THAT(law_error("[background]\nkind = \"image\"\nfile = \"no.png\""),
-              HasSubstr("no picture"));
+              HasSubstr("file is \"no.png\", which is not there"));
 }
 
 }  // namespace

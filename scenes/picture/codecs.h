@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// One decoder a format. Each is given bytes that begin as its format's do.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "scenes/picture/picture_file.h"
+
+namespace sightline {
+
+/// Why a picture of this size may not be decoded; empty where it may.
+std::string size_problem(int64_t width, int64_t height, int64_t bytes_a_pixel);
+
+/// What is said of a file that ends too early or is damaged.
+inline constexpr const char* kTornPicture = "is torn or damaged";
+
+PictureReading decode_png(std::string_view bytes, PictureChannels channels);
+PictureReading decode_jpeg(std::string_view bytes, PictureChannels channels);
+/// Grey is asked of a TIFF by converting what is stored.
+PictureReading decode_tiff(std::string_view bytes);
+
+/// How a JPEG's Exif block says that the picture is turned: 1 (upright) to 8, 1 where it says
+/// nothing.
+int exif_orientation(std::string_view jpeg);
+
+}  // namespace sightline

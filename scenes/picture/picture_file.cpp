@@ -1,0 +1,101 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/picture/picture_file.h"
+
+#include <fstream>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "scenes/picture/codecs.h"
+
+namespace sightline {
+namespace fs = std::filesystem;
+namespace {
+
+// As the eight values of Exif's tag "Orientation" ask for.
+cv::Mat turned_upright(const cv::Mat& picture, int orientation) {
+  cv::Mat out = picture;
+  if (orientation >= 5) {
+    cv::Mat transposed;
+    cv::transpose(out, transposed);
+    out = transposed;
+  }
+  constexpr int kLeftRight = 1, kUpDown = 0, kBoth = -1, kNone = 2;
+  constexpr int kFlips[] = {kNone, kLeftRight, kBoth, kUpDown, kNone, kLeftRight, kBoth, kUpDown};
+  const int flip = kFlips[orientation - 1];
+  if (flip == kNone) return out;
+  cv::Mat flipped;
+  cv::flip(out, flipped, flip);
+  return flipped;
+}
+
+cv::Mat as_grey_of_8_bits(const cv::Mat& stored) {
+  cv::Mat grey = stored;
+  if (stored.channels() == 3) cv::cvtColor(stored, grey, cv::COLOR_BGR2GRAY);
+  if (stored.channels() == 4) cv::cvtColor(stored, grey, cv::COLOR_BGRA2GRAY);
+  if (grey.depth() != CV_16U) return grey;
+  cv::Mat narrow;
+  grey.convertTo(narrow, CV_8U, 1.0 / 257.0);
+  return narrow;
+}
+
+PictureReading grey_of(PictureReading reading) {
+  if (reading.pixels.empty()) return reading;
+  if (reading.pixels.depth() == CV_32F) return {{}, "holds numbers, not grey levels"};
+  return {as_grey_of_8_bits(reading.pixels), {}};
+}
+
+}  // namespace
+
+std::string size_problem(int64_t width, int64_t height, int64_t bytes_a_pixel) {
+  if (width < 1 || height < 1) return "has no pixels";
+  // Neither factor exceeds 32 bits, so that the product cannot overflow.
+  if (width * height > kMaxPicturePixels) {
+    return fmt::format("is {} x {} pixels, must be at most {} in all", width, height,
+                       kMaxPicturePixels);
+  }
+  if (width * height * bytes_a_pixel > kMaxPictureBytes) {
+    return fmt::format("is {} x {} pixels of {} bytes, must be at most {} MB", width, height,
+                       bytes_a_pixel, kMaxPictureBytes >> 20);
+  }
+  return {};
+}
+
+PictureReading decode_picture(std::string_view bytes, PictureChannels channels) {
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(bytes, channels);
+  if (bytes.starts_with("\xff\xd8\xff")) {
+    PictureReading reading = decode_jpeg(bytes, channels);
+    if (channels == PictureChannels::kGrey && !reading.pixels.empty()) {
+      reading.pixels = turned_upright(reading.pixels, exif_orientation(bytes));
+    }
+    return reading;
+  }
+  const std::string_view head = bytes.substr(0, 4);
+  if (head == std::string_view("II*\0", 4) || head == std::string_view("MM\0*", 4)) {
+    const PictureReading reading = decode_tiff(bytes);
+    return channels == PictureChannels::kGrey ? grey_of(reading) : reading;
+  }
+  return {{}, "is no PNG, JPEG or TIFF"};
+}
+
+PictureReading read_picture_file(const fs::path& file, PictureChannels channels) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (!fs::exists(status)) return {{}, "is not there"};
+  if (!fs::is_regular_file(status)) return {{}, "is no file"};
+  const uintmax_t size = fs::file_size(file, error);
+  if (error) return {{}, "cannot be read: " + error.message()};
+  if (size > static_cast<uintmax_t>(kMaxPictureBytes)) {
+    return {{}, fmt::format("has {} MB, must be at most {}", size >> 20, kMaxPictureBytes >> 20)};
+  }
+  std::string bytes(size, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (!stream) return {{}, "cannot be read"};
+  return decode_picture(bytes, channels);
+}
+
+}  // namespace sightline

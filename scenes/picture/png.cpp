@@ -1,0 +1,190 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <csetjmp>
+#include <cstring>
+#include <stdexcept>
+#include <vector>
+
+#include <opencv2/core.hpp>
+#include <png.h>
+#include <zlib.h>
+
+#include "scenes/picture/codecs.h"
+
+namespace sightline {
+namespace {
+
+void jump_out(png_structp png, png_const_charp) {
+  png_longjmp(png, 1);
+}
+
+void be_silent(png_structp, png_const_charp) {}
+
+void read_bytes(png_structp png, png_bytep to, png_size_t count) {
+  auto& left = *static_cast<std::string_view*>(png_get_io_ptr(png));
+  if (left.size() < count) png_error(png, "the file ends");
+  std::memcpy(to, left.data(), count);
+  left.remove_prefix(count);
+}
+
+void append_bytes(png_structp png, png_bytep from, png_size_t count) {
+  auto& out = *static_cast<std::string*>(png_get_io_ptr(png));
+  out.append(reinterpret_cast<const char*>(from), count);
+}
+
+// A reader in steps. libpng leaves each of its calls, where something is wrong, by a jump to the
+// last setjmp, past whatever has a destructor: so each step makes its own setjmp, and holds
+// nothing.
+class PngReader {
+ public:
+  explicit PngReader(std::string_view bytes)
+      : left_(bytes),
+        png_(png_create_read_struct(PNG_LIBPNG_VER_STRING, nullptr, jump_out, be_silent)),
+        info_(png_ != nullptr ? png_create_info_struct(png_) : nullptr) {
+    if (info_ == nullptr) throw std::bad_alloc();
+  }
+  ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+
+  bool read_head() {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_set_read_fn(png_, &left_, read_bytes);
+    png_set_user_limits(png_, PNG_UINT_31_MAX, PNG_UINT_31_MAX);  // ours are tighter, and said
+    png_read_info(png_, info_);
+    return true;
+  }
+
+  // Asks for whole bytes in the machine's order, blue first.
+  bool choose_layout(bool is_grey) {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    const int type = png_get_color_type(png_, info_);
+    if (is_grey) {
+      png_set_strip_16(png_);
+      png_set_strip_alpha(png_);
+    } else {
+      png_set_swap(png_);
+      png_set_tRNS_to_alpha(png_);
+    }
+    if (type == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png_);
+    if ((type & PNG_COLOR_MASK_COLOR) == 0) {
+      png_set_expand_gray_1_2_4_to_8(png_);
+      // Opacity stands beside three colours, or beside none that anyone reads.
+      if (!is_grey && has_opacity()) png_set_gray_to_rgb(png_);
+    } else if (is_grey) {
+      constexpr int kSilently = 1;
+      png_set_rgb_to_gray(png_, kSilently, 0.299, 0.587);
+    } else {
+      png_set_bgr(png_);
+    }
+    png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+    return true;
+  }
+
+  bool read_rows(png_bytepp rows) {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_read_image(png_, rows);
+    png_read_end(png_, nullptr);
+    return true;
+  }
+
+  int width() const { return static_cast<int>(png_get_image_width(png_, info_)); }
+  int height() const { return static_cast<int>(png_get_image_height(png_, info_)); }
+  int channels() const { return png_get_channels(png_, info_); }
+  bool is_wide() const { return png_get_bit_depth(png_, info_) == 16; }
+
+ private:
+  bool has_opacity() const {
+    return (png_get_color_type(png_, info_) & PNG_COLOR_MASK_ALPHA) != 0 ||
+           png_get_valid(png_, info_, PNG_INFO_tRNS) != 0;
+  }
+
+  std::string_view left_;
+  png_structp png_;
+  png_infop info_;
+};
+
+std::vector<uint8_t*> rows_of(cv::Mat& picture) {
+  std::vector<uint8_t*> rows(picture.rows);
+  for (int v = 0; v < picture.rows; ++v) rows[v] = picture.ptr(v);
+  return rows;
+}
+
+int colour_type(int channels) {
+  switch (channels) {
+    case 1:
+      return PNG_COLOR_TYPE_GRAY;
+    case 3:
+      return PNG_COLOR_TYPE_RGB;
+    default:
+      return PNG_COLOR_TYPE_RGB_ALPHA;
+  }
+}
+
+// Level 1, runs and one filter take a third of the time of libpng's own choice.
+void choose_effort(png_structp png, PngEffort effort) {
+  if (effort == PngEffort::kSmall) {
+    png_set_compression_level(png, Z_BEST_COMPRESSION);
+    png_set_compression_strategy(png, Z_DEFAULT_STRATEGY);
+    return;
+  }
+  png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+  png_set_compression_level(png, Z_BEST_SPEED);
+  png_set_compression_strategy(png, Z_RLE);
+}
+
+bool write_png(png_structp png, png_infop info, const cv::Mat& picture, uint8_t** rows,
+               PngEffort effort, std::string& out) {
+  if (setjmp(png_jmpbuf(png)) != 0) return false;
+  png_set_write_fn(png, &out, append_bytes, nullptr);
+  choose_effort(png, effort);
+  png_set_IHDR(png, info, picture.cols, picture.rows, picture.depth() == CV_16U ? 16 : 8,
+               colour_type(picture.channels()), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_write_info(png, info);
+  png_set_bgr(png);
+  png_set_swap(png);
+  png_write_image(png, rows);
+  png_write_end(png, info);
+  return true;
+}
+
+}  // namespace
+
+PictureReading decode_png(std::string_view bytes, PictureChannels channels) {
+  const bool is_grey = channels == PictureChannels::kGrey;
+  PngReader reader(bytes);
+  if (!reader.read_head()) return {{}, kTornPicture};
+  constexpr int kMostBytesAPixel = 8;
+  if (std::string problem = size_problem(reader.width(), reader.height(), kMostBytesAPixel);
+      !problem.empty()) {
+    return {{}, std::move(problem)};
+  }
+  if (!reader.choose_layout(is_grey)) return {{}, kTornPicture};
+  cv::Mat picture(reader.height(), reader.width(),
+                  CV_MAKETYPE(reader.is_wide() ? CV_16U : CV_8U, reader.channels()));
+  if (!reader.read_rows(rows_of(picture).data())) return {{}, kTornPicture};
+  return {picture, {}};
+}
+
+std::string png_bytes(const cv::Mat& picture, PngEffort effort) {
+  const int channels = picture.channels();
+  if (picture.empty() || (picture.depth() != CV_8U && picture.depth() != CV_16U) ||
+      (channels != 1 && channels != 3 && channels != 4)) {
+    throw std::runtime_error("png_bytes: 8 or 16 bits in 1, 3 or 4 channels are written alone");
+  }
+  cv::Mat rows_to_read = picture;  // libpng takes rows that it does not change for changeable
+  const std::vector<uint8_t*> rows = rows_of(rows_to_read);
+  std::string out;
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, jump_out, be_silent);
+  png_infop info = png != nullptr ? png_create_info_struct(png) : nullptr;
+  const bool is_written =
+      info != nullptr &&
+      write_png(png, info, picture, const_cast<uint8_t**>(rows.data()), effort, out);
+  png_destroy_write_struct(&png, &info);
+  if (!is_written) throw std::runtime_error("png_bytes: out of memory");
+  return out;
+}
+
+}  // namespace sightline
