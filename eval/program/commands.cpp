@@ -7,6 +7,7 @@
 namespace sightline {
 
 void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
+  add_demo(app, command, exit_code);
   add_study(app, command, exit_code);
   add_render(app, exit_code);
   add_evaluate(app, command, exit_code);
@@ -20,6 +21,8 @@ void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_list(app);
   add_target(app);
   add_doctor(app);
+  add_manual(app);
+  add_completions(app);
 }
 
 }  // namespace sightline

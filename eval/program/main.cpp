@@ -17,6 +17,18 @@
 
 namespace {
 
+// What is said to whoever only types the program's name.
+constexpr const char* kFirstWords =
+    R"(Sightline renders meshed targets, estimates their pose, and measures every step against the truth.
+
+  see it work        sightline demo
+  run a study        sightline study boeing-table1     (sightline list studies)
+  make images        sightline render cube --count 100 --out set
+  judge your own     sightline score estimates.csv --dataset set    (or evaluate, see docs/doors.md)
+
+sightline --help lists all commands, sightline COMMAND --help their options.
+)";
+
 constexpr int kInputErrorExit = 1;
 constexpr int kUsageExit = 2;
 constexpr int kInterruptedExit = 130;  // as shells say it
@@ -44,14 +56,19 @@ int main(int argc, char** argv) {
   keep_freed_memory();
   CLI::App app(
       "Sightline renders meshed targets under known poses, extracts features from the images,\n"
-      "estimates the pose from them, and measures every step against the truth.");
+      "estimates the pose from them, and measures every step against the truth.",
+      "sightline");
   app.set_version_flag("--version", SIGHTLINE_VERSION);
   app.require_subcommand(1);
   app.footer(
       "Exit codes: 0 good, 1 input error, 2 usage, 3 `compare` found a regression or `score` what "
       "is\n"
       "not as required, 4 some trials could not be run, 130 interrupted.\n"
-      "Begin with:  sightline list    sightline study boeing-table1");
+      "Begin with:  sightline demo    sightline list");
+  if (argc == 1) {
+    std::cerr << kFirstWords;
+    return kUsageExit;
+  }
   int exit_code = 0;
   sightline::add_commands(app, command_line(argc, argv), exit_code);
   try {

@@ -2,16 +2,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/program/run_command.h"
 
+#include <filesystem>
 #include <iostream>
 #include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "eval/output/output_folder.h"
 #include "eval/tables/result_table.h"
+#include "eval/work/processors.h"
 #include "eval/work/shard.h"
 
 namespace sightline {
+namespace fs = std::filesystem;
 namespace {
 
 constexpr int kSomeTrialsNotRunExit = 4;
@@ -21,7 +25,24 @@ void print_result(const Study& study, const RunResult& result, const std::filesy
             << "\nreport: " << std::filesystem::absolute(out / "report.html").string() << "\n";
 }
 
+// Times that two processes take from each other say nothing of a method.
+int jobs_of(const Study& study, int asked) {
+  if (asked > 0) return asked;
+  return study.takes_times() ? 1 : usable_processors();
+}
+
 }  // namespace
+
+fs::path results_folder(const std::string& name, const RunArguments& arguments) {
+  if (!arguments.out.empty()) return arguments.out;
+  const auto is_taken = [](const fs::path& folder) {
+    return fs::exists(folder) || fs::exists(staging_folder(folder));
+  };
+  const fs::path first = fs::path("results") / name;
+  fs::path folder = first;
+  for (int i = 2; is_taken(folder); ++i) folder = fmt::format("{}-{}", first.string(), i);
+  return folder;
+}
 
 void add_run_options(CLI::App& sub, CLI::Option* out, RunArguments& arguments) {
   sub.add_flag("--resume", arguments.is_resumed,
@@ -30,9 +51,10 @@ void add_run_options(CLI::App& sub, CLI::Option* out, RunArguments& arguments) {
       ->needs(out);
   sub.add_option("--seed", arguments.overrides.seed, "Seed of all random draws")
       ->check(CLI::NonNegativeNumber);
-  sub.add_option("--jobs", arguments.jobs, "Processes to run at once")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  sub.add_option("--jobs", arguments.jobs,
+                 "Processes to run at once [as many as there are processors; one where times are "
+                 "taken]")
+      ->check(CLI::Range(1, 1024));
   sub.add_option("--shard", arguments.shard,
                  "Only trials with number mod N = I: I/N, auto or auto/N (from the engine)");
   sub.add_flag("--quiet", arguments.is_quiet, "No progress and no table");
@@ -58,9 +80,9 @@ StudyOverrides overrides_of(const RunArguments& arguments) {
   return overrides;
 }
 
-RunOptions run_options(const RunArguments& arguments) {
+RunOptions run_options(const Study& study, const RunArguments& arguments) {
   RunOptions options;
-  options.jobs = arguments.jobs;
+  options.jobs = jobs_of(study, arguments.jobs);
   options.is_resumed = arguments.is_resumed;
   options.show_progress = !arguments.is_quiet;
   options.renderer.gl = gl_choice(arguments.gl).value();
@@ -70,7 +92,7 @@ RunOptions run_options(const RunArguments& arguments) {
 
 int run_command(const Study& study, const RunArguments& arguments, const std::filesystem::path& out,
                 const std::string& command) {
-  RunOptions options = run_options(arguments);
+  RunOptions options = run_options(study, arguments);
   options.out = out;
   options.command = command;
   const RunResult result = run_study(study, options);

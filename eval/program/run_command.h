@@ -21,7 +21,7 @@ struct RunArguments {
   StudyOverrides overrides;
   GuestArguments guests;
   std::string out;
-  int jobs = 1;
+  int jobs = 0;  ///< processes; 0: as many as there are processors, one where times are taken
   std::string shard;
   std::string gl = "none";
   bool is_resumed = false;
@@ -31,12 +31,16 @@ struct RunArguments {
 /// Adds the options of every command that runs trials, but for --out, which --resume needs.
 void add_run_options(CLI::App& sub, CLI::Option* out, RunArguments& arguments);
 
+/// The folder that was named, else results/NAME, or the first of results/NAME-2, -3, ... that is
+/// free.
+std::filesystem::path results_folder(const std::string& name, const RunArguments& arguments);
+
 /// What the command line says over a study's file, the guests included.
 StudyOverrides overrides_of(const RunArguments& arguments);
 
-/// The same as options of a run whose folder and command are still to be said. Throws InputError
-/// for a shard that is none.
-RunOptions run_options(const RunArguments& arguments);
+/// The same as options of a run of a study, whose folder and command are still to be said. Throws
+/// InputError for a shard that is none.
+RunOptions run_options(const Study& study, const RunArguments& arguments);
 
 /// Runs the study into a folder and says what came of it. Returns the exit code.
 int run_command(const Study& study, const RunArguments& arguments, const std::filesystem::path& out,

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "eval/work/progress.h"
 
 namespace sightline {
@@ -20,7 +22,10 @@ void run_shares(const ShardWork& shard_work,
                 const std::function<void(int job, const Shard& share, const Tick& tick)>& work) {
   const Shard& shard = shard_work.shard;
   const int processes = shard_work.processes();
-  Progress progress(shard_work.label, shard_work.to_do, shard_work.show_progress);
+  const std::string label = processes == 1
+                                ? shard_work.label
+                                : fmt::format("{}, {} processes", shard_work.label, processes);
+  Progress progress(label, shard_work.to_do, shard_work.show_progress);
   if (processes == 1) {
     work(0, shard, [&progress] { progress.advance(1); });
     return;

@@ -44,6 +44,13 @@ void add_compare(CLI::App& app, int& exit_code);
 void add_solve(CLI::App& app, int& exit_code);
 void add_align(CLI::App& app, int& exit_code);
 
+/// `demo`: 4 when trials could not be run.
+void add_demo(CLI::App& app, const std::string& command, int& exit_code);
+
+/// `manual` and `completions`, of all commands that `app` has when one of them runs.
+void add_manual(CLI::App& app);
+void add_completions(CLI::App& app);
+
 void add_list(CLI::App& app);
 void add_target(CLI::App& app);
 void add_doctor(CLI::App& app);

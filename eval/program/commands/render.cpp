@@ -13,6 +13,7 @@
 #include "eval/image_sets/verify.h"
 #include "eval/program/commands/commands.h"
 #include "eval/work/interrupt.h"
+#include "eval/work/processors.h"
 #include "eval/work/progress.h"
 #include "eval/work/shard.h"
 #include "renderer/gl_context.h"
@@ -110,9 +111,10 @@ void add_render(CLI::App& app, int& exit_code) {
   auto* out = sub->add_option("--out", arguments->out, "Folder of the set");
   sub->add_option("--seed", request.overrides.seed, "Seed of all random draws")
       ->check(CLI::NonNegativeNumber);
-  sub->add_option("--jobs", arguments->options.jobs, "Processes to run at once")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
+  arguments->options.jobs = usable_processors();
+  sub->add_option("--jobs", arguments->options.jobs,
+                  "Processes to run at once [as many as there are processors]")
+      ->check(CLI::Range(1, 1024));
   sub->add_option("--shard", arguments->shard,
                   "Only images with number mod N = I, into the same folder as the other shards: "
                   "I/N, auto or auto/N (from the engine)");

@@ -1,14 +1,11 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
-#include "eval/output/output_folder.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/run_command.h"
 #include "eval/run/run.h"
@@ -21,20 +18,7 @@
 namespace sightline {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr int kPilotTrials = 100;  // a condition
-
-// results/<study>, or the first of results/<study>-2, -3, ... that is free.
-fs::path free_folder(const std::string& study) {
-  const auto is_taken = [](const fs::path& folder) {
-    return fs::exists(folder) || fs::exists(staging_folder(folder));
-  };
-  const fs::path first = fs::path("results") / study;
-  fs::path folder = first;
-  for (int i = 2; is_taken(folder); ++i) folder = fmt::format("{}-{}", first.string(), i);
-  return folder;
-}
 
 struct StudyArguments {
   std::string study;
@@ -48,7 +32,7 @@ int plan_command(const StudyArguments& arguments) {
   StudyOverrides overrides = overrides_of(arguments.run);
   if (!overrides.trials) overrides.trials = kPilotTrials;
   const Study study = read_study(arguments.study, overrides);
-  RunOptions options = run_options(arguments.run);
+  RunOptions options = run_options(study, arguments.run);
   const PrivateFolder folder;
   options.out = folder.path() / "pilot";
   const Summary summary = run_pilot(study, options);
@@ -60,9 +44,7 @@ int run_study_command(const StudyArguments& arguments, const std::string& comman
   if (arguments.planned_width > 0) return plan_command(arguments);
   remember_interrupts();
   const Study study = read_study(arguments.study, overrides_of(arguments.run));
-  const fs::path out =
-      arguments.run.out.empty() ? free_folder(study.name) : fs::path(arguments.run.out);
-  return run_command(study, arguments.run, out, command);
+  return run_command(study, arguments.run, results_folder(study.name, arguments.run), command);
 }
 
 // Who draws: our own rasteriser unless OpenGL is asked for.
