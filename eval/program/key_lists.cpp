@@ -100,8 +100,11 @@ std::string key_list(const std::string& table) {
 
 std::string key_page() {
   std::string out =
-      "<!-- SPDX-FileCopyrightText: 2026 The Sightline authors -->\n"
-      "<!-- SPDX-License-Identifier: GPL-3.0-or-later -->\n"
+      // In two pieces, for the licence of this page is not that of this file's lines.
+      "<!-- SPDX-"
+      "FileCopyrightText: 2026 The Sightline authors -->\n"
+      "<!-- SPDX-"
+      "License-Identifier: GPL-3.0-or-later -->\n"
       "\n# The keys of scene and study files\n\n"
       "Printed by `sightline list keys --markdown`, from the tables that read the files: do not\n"
       "edit. A key with a range \"or [low, high]\" is drawn anew for every image, uniformly.\n";
