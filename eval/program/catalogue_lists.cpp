@@ -3,6 +3,7 @@
 #include "eval/program/catalogue_lists.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -86,6 +87,92 @@ std::string studies() {
   return section("studies", lines);
 }
 
+std::string fields(const std::vector<Line>& lines) {
+  size_t width = 0;
+  for (const Line& line : lines) width = std::max(width, line.name.size());
+  std::string out;
+  for (const Line& line : lines) {
+    if (!line.text.empty()) out += fmt::format("{:<{}}  {}\n", line.name, width, line.text);
+  }
+  return out;
+}
+
+std::string study_entry(const std::string& name) {
+  const std::filesystem::path file = find_study_file(name);
+  const TomlTable table = TomlTable::read_file(file);
+  return fields({{"study", name},
+                 {"title", table.text("title", "")},
+                 {"question", table.text("question", "")},
+                 {"reference", table.text("reference", "")},
+                 {"claim", table.text("claim", "")},
+                 {"file", file.string()},
+                 {"run it", "sightline study " + name}});
+}
+
+std::string target_entry(const std::string& name) {
+  const std::filesystem::path file = find_target_file(name);
+  const TomlTable table = TomlTable::read_file(file);
+  std::vector<std::string> features;
+  for (const TomlTable& feature : table.tables("feature")) {
+    features.push_back(fmt::format("{} ({})", feature.text("name"), feature.text("kind", "")));
+  }
+  return fields({{"target", name},
+                 {"description", table.text("description", "")},
+                 {"features", fmt::to_string(fmt::join(features, ", "))},
+                 {"file", file.string()},
+                 {"all of it", "sightline target " + name},
+                 {"a picture", fmt::format("sightline target {0} --picture {0}.png", name)}});
+}
+
+// What the catalogues of the code say of one of their names; empty where none has it.
+std::string code_entry(const std::string& name) {
+  if (const FeatureExtractor* extractor = find_feature_extractor(name)) {
+    return fields(
+        {{"extractor", name},
+         {"summary", std::string(extractor->summary)},
+         {"finds", extractor->needs_edges ? "line intersections" : "features of any kind"},
+         {"needs", extractor->needs_mesh ? "a mesh" : ""},
+         {"use it", fmt::format("--extractor {}", name)},
+         {"more", "docs/features.md"}});
+  }
+  if (const PoseSolver* solver = find_pose_solver(name)) {
+    return fields(
+        {{"solver", name},
+         {"summary", std::string(solver->summary)},
+         {"needs", solver->evaluation_only ? "the truth: it is of evaluations alone" : ""},
+         {"use it", fmt::format("--set 'solvers=[\"{}\"]'", name)},
+         {"more", "docs/solvers.md"}});
+  }
+  for (const OrientationMethod& method : orientation_methods()) {
+    if (method.name != name) continue;
+    return fields({{"method", name}, {"summary", std::string(method.summary)}});
+  }
+  for (const RobustAlignmentMethod& method : robust_alignment_methods()) {
+    if (method.name != name) continue;
+    return fields({{"method", name},
+                   {"summary", std::string(method.summary)},
+                   {"use it", fmt::format("sightline align PAIRS --method {}", name)}});
+  }
+  return {};
+}
+
+// All that has that name: an estimator may be a solver and a method.
+std::string entry(const std::string& name, std::vector<std::string>& names) {
+  std::string out = code_entry(name);
+  for (const std::string& study : study_names()) {
+    names.push_back(study);
+    if (study == name) out += study_entry(name);
+  }
+  for (const std::string& target : target_names()) {
+    names.push_back(target);
+    if (target == name) out += target_entry(name);
+  }
+  for (const PoseSolver& solver : pose_solvers()) names.emplace_back(solver.name);
+  for (const FeatureExtractor& extractor : feature_extractors()) names.emplace_back(extractor.name);
+  for (const OrientationMethod& method : orientation_methods()) names.emplace_back(method.name);
+  return out;
+}
+
 }  // namespace
 
 std::string catalogue_lists(const std::string& what) {
@@ -106,7 +193,9 @@ std::string catalogue_lists(const std::string& what) {
   }
   known.emplace_back("keys");
   if (what.empty()) return fmt::to_string(fmt::join(all, "\n"));
-  throw InputError(fmt::format("list: '{}' is not a list{}", what, suggestion(what, known)));
+  if (const std::string found = entry(what, known); !found.empty()) return found;
+  throw InputError(
+      fmt::format("list: '{}' is no list and nothing in one{}", what, suggestion(what, known)));
 }
 
 }  // namespace sightline

@@ -118,6 +118,45 @@ std::string edge_table() {
 
 }  // namespace
 
+std::string library_licences() {
+  struct Library {
+    const char* name;
+    const char* package;
+    const char* licence;
+  };
+  constexpr Library kLibraries[] = {
+      {"Assimp", "libassimp-dev", "BSD-3-Clause"},
+      {"Boost", "libboost-dev", "BSL-1.0"},
+      {"CGAL", "libcgal-dev", "GPL-3.0-or-later"},
+      {"Chart.js", "libjs-chart.js", "MIT"},
+      {"CLI11", "libcli11-dev", "BSD-3-Clause"},
+      {"Eigen", "libeigen3-dev", "MPL-2.0"},
+      {"fmt", "libfmt-dev", "MIT"},
+      {"JSON for Modern C++", "nlohmann-json3-dev", "MIT"},
+      {"libjpeg-turbo", "libturbojpeg0-dev", "IJG AND BSD-3-Clause"},
+      {"libpng", "libpng-dev", "libpng-2.0"},
+      {"libtiff", "libtiff-dev", "libtiff"},
+      {"Mesa (loaded for --gl)", "libosmesa6-dev", "MIT"},
+      {"Mustache", "libkainjow-mustache-dev", "BSL-1.0"},
+      {"OpenCV", "libopencv-dev", "Apache-2.0"},
+      {"pugixml", "libpugixml-dev", "MIT"},
+      {"pybind11", "pybind11-dev", "BSD-3-Clause"},
+      {"Random123", "librandom123-dev", "BSD-3-Clause"},
+      {"SQLite", "libsqlite3-dev", "blessing"},
+      {"SQLiteCpp", "libsqlitecpp-dev", "MIT"},
+      {"tinygltf", "libtinygltf-dev", "MIT"},
+      {"toml++", "libtomlplusplus-dev", "MIT"},
+  };
+  std::string text = fmt::format(
+      "sightline {}: GPL-3.0-or-later; pose/ alone: Apache-2.0\n"
+      "Made of these, each from Debian's package of that name:\n",
+      SIGHTLINE_VERSION);
+  for (const Library& library : kLibraries) {
+    text += fmt::format("  {:<24}{:<26}{}\n", library.name, library.package, library.licence);
+  }
+  return text;
+}
+
 std::string doctor(bool measures_renderer) {
   std::string text = fmt::format("sightline {}, built by {}\n", SIGHTLINE_VERSION, __VERSION__) +
                      libraries() + folders() + drawing() + shard();

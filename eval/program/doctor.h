@@ -12,4 +12,7 @@ namespace sightline {
 /// samples, beside what is promised, and what a frame costs. Nothing that is missing is an error.
 std::string doctor(bool measures_renderer);
 
+/// The libraries that the program is made of, each with its package and licence (by SPDX).
+std::string library_licences();
+
 }  // namespace sightline

@@ -42,7 +42,8 @@ void add_list(CLI::App& app) {
       "list", "List targets, extractors, solvers, methods and studies, or the keys of files");
   sub->add_option("what", arguments->what,
                   "targets, extractors, solvers, methods, studies, keys, columns (of results) or "
-                  "measures (of compare); without: all but the last three");
+                  "measures (of compare); without: all but the last three. "
+                  "Or the name of one entry, for all about it");
   sub->add_option("table", arguments->table, "Of keys: their table, for example image [all]");
   sub->add_flag("--markdown", arguments->is_markdown, "Of keys: as the page docs/keys.md");
   sub->callback([arguments] { print_list(*arguments); });

@@ -174,6 +174,31 @@ complete_at sightline study --gl e
   EXPECT_THAT(run("completions fish").output, HasSubstr("-l trials -r -d"));
 }
 
+TEST(Documents, TheLicencesAreOfThePackagesThatTheBuildInstalls) {
+  const std::string licences = run("doctor --licences").output;
+  std::istringstream words(read_whole(fs::path(SIGHTLINE_SOURCE_DIR) / "dev"));
+  std::string begin;
+  while (begin != "packages=(" && words >> begin) {
+  }
+  int listed = 0;
+  for (std::string word; words >> word && word != "test_packages=(";) {
+    const bool is_library = word.ends_with("-dev") || word == "libjs-chart.js";
+    // Python's own, and what only begins a driver that is loaded when it is asked for.
+    if (!is_library || word == "python3-dev" || word == "libegl-dev") continue;
+    EXPECT_THAT(licences, HasSubstr(" " + word + " "));
+    ++listed;
+  }
+  EXPECT_EQ(lines_of(licences), listed + 2) << "one that is not installed is listed";
+}
+
+TEST(Documents, AnEntryOfAListIsSaidWhole) {
+  EXPECT_THAT(run("list boeing-table1").output, HasSubstr("sightline study boeing-table1"));
+  EXPECT_THAT(run("list cube").output, HasSubstr("vertex"));
+  EXPECT_THAT(run("list orpe").output, HasSubstr("solver"));
+  EXPECT_THAT(run("list fast").output, HasSubstr("method"));
+  EXPECT_THAT(run("list boeing-tabel1").output, HasSubstr("did you mean 'boeing-table1'"));
+}
+
 TEST(Documents, TheFirstWordsAreFourCommands) {
   const Outcome outcome = run("");
   EXPECT_EQ(outcome.exit_code, 2);
