@@ -42,5 +42,9 @@ TEST(FuzzCorpus, Toml) {
   replay("toml", fuzz_toml);
 }
 
+TEST(FuzzCorpus, Picture) {
+  replay("picture", fuzz_picture);
+}
+
 }  // namespace
 }  // namespace sightline

@@ -9,6 +9,7 @@
 #include "scenes/files/input_error.h"
 #include "scenes/files/toml_table.h"
 #include "scenes/mesh/mesh_soup.h"
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {
@@ -81,6 +82,16 @@ void fuzz_toml(std::string_view bytes) {
     TomlTable::read_text(table.to_toml(), kFile, {});  // as written it reads again
     table.reject_unknown_keys();
   } catch (const InputError&) {
+  }
+}
+
+void fuzz_picture(std::string_view bytes) {
+  for (const PictureChannels channels : {PictureChannels::kAsStored, PictureChannels::kGrey}) {
+    const PictureReading reading = decode_picture(bytes, channels);
+    require(reading.pixels.empty() != reading.problem.empty());
+    const int64_t pixels = int64_t{reading.pixels.rows} * reading.pixels.cols;
+    require(pixels <= kMaxPicturePixels);
+    if (channels == PictureChannels::kGrey && pixels > 0) require(reading.pixels.type() == CV_8UC1);
   }
 }
 

@@ -20,4 +20,7 @@ void fuzz_gltf(std::string_view bytes);
 /// A TOML file, through every getter.
 void fuzz_toml(std::string_view bytes);
 
+/// A PNG, JPEG or TIFF, as stored and as grey.
+void fuzz_picture(std::string_view bytes);
+
 }  // namespace sightline

@@ -130,7 +130,7 @@ TEST_F(AskedProcess, MayBeAnExtractorBesideOthers) {
 TEST_F(AskedProcess, ReadsThePicturesOfADataSetWhereTheyAre) {
   ASSERT_EQ(run("render cube --count 3 --seed 5 --quiet --out " + path("set")).exit_code, 0);
   const Outcome outcome = run(
-      fmt::format("evaluate {} --target cube --solvers lspe --quiet --out {} --extractor "
+      fmt::format("evaluate {} --target cube --solvers lspe --jobs 1 --quiet --out {} --extractor "
                   "'net=python3 {}/docs/clients/client.py' --solver 'mine={}' --solver 'other={}'",
                   path("set"), path("run"), SIGHTLINE_SOURCE_DIR, SIGHTLINE_CLIENT,
                   moody("good started=" + path("started"))));
