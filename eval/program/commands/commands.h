@@ -44,6 +44,7 @@ void add_compare(CLI::App& app, int& exit_code);
 void add_solve(CLI::App& app, int& exit_code);
 void add_align(CLI::App& app, int& exit_code);
 
+void add_coverage(CLI::App& app);
 void add_list(CLI::App& app);
 void add_target(CLI::App& app);
 void add_doctor(CLI::App& app);
