@@ -62,6 +62,13 @@ std::optional<StoredNumber> stored_number(const Measure& measure, const Json& ce
   return StoredNumber{measured_in(error.at(key), error.at(key + "_ci95")), trials};
 }
 
+// A number that a summary has without an interval, as an RMS, cannot be compared by it.
+bool lacks_interval(const StoredNumber& number) {
+  const auto [low, high] = number.number.ci95;
+  return number.trials > 1 && std::isfinite(number.number.value) && std::isnan(low) &&
+         std::isnan(high);
+}
+
 Difference by_intervals(const Measure& measure, const StoredNumber& base, const StoredNumber& now,
                         double tolerance) {
   Difference result;
@@ -121,7 +128,7 @@ std::optional<Difference> stored_difference(const Measure& measure, const Json& 
   if (measure.number.name == "failure_rate") return stored_failures(measure, base, now, tolerance);
   const auto before = stored_number(measure, base);
   const auto after = stored_number(measure, now);
-  if (!before || !after) return std::nullopt;
+  if (!before || !after || lacks_interval(*before) || lacks_interval(*after)) return std::nullopt;
   return by_intervals(measure, *before, *after, tolerance);
 }
 

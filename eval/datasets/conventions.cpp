@@ -15,9 +15,15 @@ namespace sightline {
 namespace {
 
 constexpr double kRotationTolerance = 1e-2;
+constexpr double kPrintedTolerance = 1e-5;
 constexpr double kSkewTolerance = 1e-6;  // of the focal length
 
 using RowWise3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+// By how much a number of the transpose times the matrix differs from the identity's.
+double off_rotation(const Eigen::Matrix3d& matrix) {
+  return (matrix.transpose() * matrix - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+}
 
 }  // namespace
 
@@ -32,9 +38,8 @@ std::array<double, 9> rows_of(const Eigen::Matrix3d& matrix) {
 }
 
 bool is_near_rotation(const Eigen::Matrix3d& matrix) {
-  const double off =
-      (matrix.transpose() * matrix - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  return off <= kRotationTolerance && !(matrix.determinant() < 0);
+  return matrix.allFinite() && off_rotation(matrix) <= kRotationTolerance &&
+         matrix.determinant() > 0;
 }
 
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
@@ -43,13 +48,15 @@ Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
   return svd.matrixU() * svd.matrixV().transpose();
 }
 
-Eigen::Matrix3d rotation_of_printed(const Eigen::Quaterniond& quaternion, const std::string& what) {
+std::optional<Eigen::Matrix3d> usable_rotation(const Eigen::Matrix3d& matrix) {
+  if (!is_near_rotation(matrix)) return std::nullopt;
+  return off_rotation(matrix) <= kPrintedTolerance ? matrix : nearest_rotation(matrix);
+}
+
+std::optional<Eigen::Matrix3d> usable_rotation(const Eigen::Quaterniond& quaternion) {
   constexpr double kTolerance = 1e-2;
-  if (std::abs(quaternion.norm() - 1) <= kTolerance) {
-    return quaternion.normalized().toRotationMatrix();
-  }
-  throw InputError(
-      fmt::format("{} has the length {}, must have length 1", what, quaternion.norm()));
+  if (!(std::abs(quaternion.norm() - 1) <= kTolerance)) return std::nullopt;
+  return quaternion.normalized().toRotationMatrix();
 }
 
 Camera camera_from_matrix(const Eigen::Matrix3d& k) {

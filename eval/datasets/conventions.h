@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -27,16 +28,21 @@ Eigen::Matrix3d matrix_from_rows(std::span<const double> nine);
 std::array<double, 9> rows_of(const Eigen::Matrix3d& matrix);
 
 /// Whether a matrix is a rotation, but for what few printed digits leave (1e-2 of a number of its
-/// transpose times itself).
+/// transpose times itself): finite, no reflection, not scaled by more than half a percent.
 bool is_near_rotation(const Eigen::Matrix3d& matrix);
 
 /// The rotation nearest to a matrix that was printed with few digits. Throws InputError for one
 /// that is not near a rotation.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
 
-/// The rotation of a quaternion that was printed with few digits. Throws InputError, with `what`
-/// for its name, where its length is not 1 within what those leave (1e-2).
-Eigen::Matrix3d rotation_of_printed(const Eigen::Quaterniond& quaternion, const std::string& what);
+/// The matrix itself where it is a rotation to what five printed digits leave (1e-5), so that
+/// errors are those of the numbers in the file; else the nearest rotation, as nearest_rotation has
+/// it; none where it is not near one.
+std::optional<Eigen::Matrix3d> usable_rotation(const Eigen::Matrix3d& matrix);
+
+/// The rotation of a quaternion that was printed with few digits; none where its length is not 1
+/// within what those leave (1e-2).
+std::optional<Eigen::Matrix3d> usable_rotation(const Eigen::Quaterniond& quaternion);
 
 /// A camera without size from its matrix (fx 0 cx, 0 fy cy, 0 0 1), pixel centres at integers.
 /// Throws InputError for what is no such matrix, and for skew, which ours has not.

@@ -8,6 +8,7 @@
 #include "scenes/picture/picture_file.h"
 
 namespace sightline {
+
 std::string six_digits(int64_t number) {
   return fmt::format("{:06}", number);
 }

@@ -15,7 +15,8 @@ namespace sightline {
 /// "000017": six digits or more.
 std::string six_digits(int64_t number);
 
-/// The picture in a file, as it is; empty when it is not whole.
+/// The picture in a file, as it is; empty when it is not whole, or larger than
+/// kMaxPicturePixels.
 cv::Mat read_picture(const std::filesystem::path& file);
 /// The same as grey levels, one channel of 8 or 16 bits; empty where the file has no such picture.
 cv::Mat read_grey_picture(const std::filesystem::path& file);

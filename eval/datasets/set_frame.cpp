@@ -42,6 +42,10 @@ SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
   scene.target = target;
   scene.camera = sighting.camera;
   scene.cam_from_target = sighting.cam_from_target;
+  if (sighting.problem) {
+    out.problem = sighting.problem;
+    return out;
+  }
   out.frame.image = read_grey_picture(sighting.picture);
   if (out.frame.image.empty()) {
     out.problem = EstimateOutcome::kPictureUnreadable;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -17,12 +18,14 @@
 namespace sightline {
 
 /// What a set says of the target: poses in metres, of the set's own frame of the model; cameras
-/// without a size.
+/// without a size; symmetries of the model in millimetres.
 struct SetReading {
   std::vector<Sighting> sightings;
   int obj_id = 1;
   std::filesystem::path model_file;                ///< that says what the next is
   std::optional<Eigen::AlignedBox3d> model_box_m;  ///< of the model in its own frame, if known
+  Symmetries symmetries{};
+  std::vector<std::string> notes{};  ///< as SightedSet has them
 };
 
 /// A format that data sets are read in. To add one: write readers/<name>.cpp and name it in

@@ -3,18 +3,19 @@
 #include "eval/datasets/sightings.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 
-#include "eval/datasets/bop/layout.h"
+#include "eval/datasets/bop/numbered.h"
 #include "eval/datasets/bop/results_csv.h"
 #include "eval/datasets/conventions.h"
-#include "eval/datasets/pictures.h"
 #include "eval/datasets/set_readers.h"
 #include "scenes/files/input_error.h"
+#include "scenes/picture/picture_file.h"
 #include "scenes/scene/scene.h"
 
 namespace sightline {
@@ -89,17 +90,41 @@ void require_same_model(const SightingSource& source, const SetReading& reading,
           : ""));
 }
 
-void require_any_in_image(const SightingSource& source, const std::vector<Sighting>& sightings,
+// Throws where no pose puts the target into its image, and notes it where most do not: then a
+// quaternion, a matrix or a unit is likely to be read otherwise than it was written.
+void require_any_in_image(const SightingSource& source, SightedSet& set,
                           const std::shared_ptr<const Target>& target) {
+  const std::vector<Sighting>& sightings = set.sightings;
   std::string first_reason;
+  constexpr size_t kEnough = 100;  // of which some are inside: to look at all takes long
+  size_t outside = 0;
+  size_t looked_at = 0;
   for (const Sighting& sighting : sightings) {
+    if (sighting.problem == EstimateOutcome::kNoTruth) continue;
     Scene scene;
     scene.target = target;
     scene.camera = sighting.camera;
     scene.cam_from_target = sighting.cam_from_target;
+    if (looked_at >= kEnough && outside < looked_at) break;
+    ++looked_at;
     const std::string reason = why_not_imageable(scene);
-    if (reason.empty()) return;
+    if (reason.empty()) continue;
+    ++outside;
     if (first_reason.empty()) first_reason = reason;
+  }
+  if (looked_at == 0) {
+    throw InputError(fmt::format(
+        "{}: none of its {} true poses is one: rotations must be such (quaternions of length 1), "
+        "and all numbers finite",
+        source.folder.string(), sightings.size()));
+  }
+  if (2 * outside <= looked_at) return;
+  if (outside < looked_at) {
+    set.notes.push_back(fmt::format(
+        "{}: {} of {} poses do not put '{}' into its image; by the first, {} (quaternions are read "
+        "scalar first, matrices row by row, both as camera from target)",
+        source.folder.string(), outside, looked_at, target->name, first_reason));
+    return;
   }
   throw InputError(fmt::format(
       "{}: none of its {} poses puts '{}' into its image; by the first, {} (translations must be "
@@ -116,14 +141,14 @@ void give_priors(const SightingSource& source, SightedSet& set) {
   std::vector<PlaceInImage> places;
   std::vector<double> scores;
   for (const BopEstimate& estimate : estimates) {
-    priors.push_back(pose_in_metres(estimate.cam_from_model, set.target_from_model));
+    priors.push_back(pose_in_metres(estimate, set.target_from_model));
     places.push_back({estimate.scene_id, estimate.im_id, priors.back().translation});
     scores.push_back(estimate.score);
   }
   bool has_any = false;
   const std::vector<int> chosen = sightings_of(places, scores, set.sightings);
   for (size_t i = 0; i < chosen.size(); ++i) {
-    if (chosen[i] < 0) continue;
+    if (chosen[i] < 0 || !estimates[i].problem.empty()) continue;
     set.sightings[static_cast<size_t>(chosen[i])].prior_cam_from_target = priors[i];
     has_any = true;
   }
@@ -132,15 +157,35 @@ void give_priors(const SightingSource& source, SightedSet& set) {
                                source.priors.string(), set.obj_id));
 }
 
-// The size of the first picture, which stands for all until they are read.
+// The size of the first picture that is there, which stands for all until they are read.
 void set_camera_sizes(std::vector<Sighting>& sightings) {
-  const fs::path& file = sightings.front().picture;
-  const cv::Mat picture = read_picture(file);
-  if (picture.empty()) throw InputError(fmt::format("{}: cannot be read", file.string()));
-  for (Sighting& sighting : sightings) {
-    sighting.camera.width_px = picture.cols;
-    sighting.camera.height_px = picture.rows;
+  std::optional<cv::Size> size;
+  for (size_t i = 0; i < sightings.size() && !size; ++i) size = picture_size(sightings[i].picture);
+  if (!size) {
+    throw InputError(fmt::format("{}: cannot be read, nor any other picture of the set",
+                                 sightings.front().picture.string()));
   }
+  for (Sighting& sighting : sightings) {
+    sighting.camera.width_px = size->width;
+    sighting.camera.height_px = size->height;
+  }
+}
+
+// The symmetries of the model, in mm, as those of the target.
+Symmetries symmetries_of_target(const Symmetries& of_model_mm,
+                                const Eigen::Matrix3d& target_from_model) {
+  const auto in_metres = [&](const Eigen::Vector3d& in_model_mm) {
+    return Eigen::Vector3d(kMetresPerMillimetre * target_from_model * in_model_mm);
+  };
+  Symmetries symmetries{.poses = {}, .axes = {}};
+  for (const Pose& mm : of_model_mm.poses) {
+    symmetries.poses.push_back({target_from_model * mm.rotation * target_from_model.transpose(),
+                                in_metres(mm.translation)});
+  }
+  for (const SymmetryAxis& axis : of_model_mm.axes) {
+    symmetries.axes.push_back({target_from_model * axis.direction, in_metres(axis.point)});
+  }
+  return symmetries;
 }
 
 }  // namespace
@@ -149,12 +194,15 @@ bool has_picture(std::span<const Sighting> sightings, int scene_id, int im_id) {
   const auto of_scene = std::find_if(sightings.begin(), sightings.end(),
                                      [=](const Sighting& s) { return s.scene_id == scene_id; });
   if (of_scene == sightings.end()) return false;
-  const fs::path& beside = of_scene->picture;
-  return fs::exists(beside.parent_path() / (bop::image_name(im_id) + beside.extension().string()));
+  return !numbered_picture(of_scene->picture.parent_path(), {im_id}).empty();
 }
 
-Pose pose_in_metres(const Pose& cam_from_model_mm, const Eigen::Matrix3d& target_from_model) {
-  const Pose mm = cam_from_target(cam_from_model_mm, target_from_model);
+Pose pose_in_metres(const BopEstimate& estimate, const Eigen::Matrix3d& target_from_model) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (!estimate.problem.empty()) {
+    return {Eigen::Matrix3d::Identity(), Eigen::Vector3d::Constant(kNone)};
+  }
+  const Pose mm = cam_from_target(estimate.cam_from_model, target_from_model);
   return {nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
 }
 
@@ -169,9 +217,15 @@ std::vector<int> sightings_of(std::span<const PlaceInImage> estimates,
   std::stable_sort(order.begin(), order.end(),
                    [&](size_t a, size_t b) { return scores[a] > scores[b]; });
   std::vector<int> chosen(estimates.size(), -1);
+  std::map<std::pair<int, int>, std::vector<size_t>> without_position;
   for (const size_t estimate : order) {
-    std::vector<size_t>& free = in_image[{estimates[estimate].scene_id, estimates[estimate].im_id}];
-    if (free.empty()) continue;
+    const std::pair image{estimates[estimate].scene_id, estimates[estimate].im_id};
+    std::vector<size_t>& free = in_image[image];
+    if (free.size() <= without_position[image].size()) continue;
+    if (!estimates[estimate].position_m.allFinite()) {
+      without_position[image].push_back(estimate);
+      continue;
+    }
     const auto distance_m = [&](size_t sighting) {
       return (sightings[sighting].cam_from_target.translation - estimates[estimate].position_m)
           .norm();
@@ -181,6 +235,11 @@ std::vector<int> sightings_of(std::span<const PlaceInImage> estimates,
     });
     chosen[estimate] = static_cast<int>(*nearest);
     free.erase(nearest);
+  }
+  for (const auto& [image, waiting] : without_position) {
+    for (size_t i = 0; i < waiting.size(); ++i) {
+      chosen[waiting[i]] = static_cast<int>(in_image[image][i]);
+    }
   }
   return chosen;
 }
@@ -196,15 +255,16 @@ SightedSet read_sightings(const SightingSource& source,
   }
   SetReading reading = set_reader_of(source).read(source);
   require_same_model(source, reading, *target);
-  SightedSet set{std::move(reading.sightings), reading.obj_id,
-                 target_from_model(source.is_of_file_axes, *target)};
+  const Eigen::Matrix3d turn = target_from_model(source.is_of_file_axes, *target);
+  SightedSet set{std::move(reading.sightings), reading.obj_id, turn,
+                 symmetries_of_target(reading.symmetries, turn), std::move(reading.notes)};
   set_camera_sizes(set.sightings);
   for (Sighting& sighting : set.sightings) {
     sighting.image = fs::relative(sighting.picture, source.folder).string();
     sighting.cam_from_target = cam_from_target(sighting.cam_from_target, set.target_from_model);
   }
   if (!source.priors.empty()) give_priors(source, set);
-  require_any_in_image(source, set.sightings, target);
+  require_any_in_image(source, set, target);
   return set;
 }
 

@@ -11,6 +11,9 @@
 
 #include <Eigen/Core>
 
+#include "eval/datasets/bop/results_csv.h"
+#include "eval/datasets/symmetries.h"
+#include "eval/records/names.h"
 #include "pose/camera.h"
 #include "pose/pose.h"
 #include "scenes/target/target.h"
@@ -30,6 +33,9 @@ struct Sighting {
   int gt_id = 0;  ///< place of the instance in its image's truth
   Camera camera;  ///< its size is that of the set's first picture
   Pose cam_from_target;
+  /// Why the set tells too little of it for a trial: its picture is missing, or its true pose is
+  /// none. None where it tells enough.
+  std::optional<EstimateOutcome> problem{};
   std::optional<Pose> prior_cam_from_target;  ///< where priors are given
 };
 
@@ -39,6 +45,9 @@ struct SightedSet {
   int obj_id = 1;  ///< of the target, in BOP
   /// Turns the frame that the set's poses are of into the target's.
   Eigen::Matrix3d target_from_model = Eigen::Matrix3d::Identity();
+  /// Of the target, in metres: the true pose is each of those that look alike.
+  Symmetries symmetries{};
+  std::vector<std::string> notes{};  ///< what of the set is told but does not count, a line each
 };
 
 /// Which sightings to read.
@@ -61,9 +70,10 @@ struct SightingSource {
 /// targets ask for: the instances of test_targets_bop19.json or, without that file, all of which a
 /// tenth is visible; where an image has more, the most visible. A given prior goes to the instance
 /// whose origin is nearest, best score first. Throws InputError, with the file, for whatever is
-/// missing or not so: a picture, an object, a model whose box is not the target's (or does not
+/// missing or not so: all pictures, an object, a model whose box is not the target's (or does not
 /// hold its keypoints, where it has nothing else), poses of which none puts the target into its
-/// image.
+/// image. One picture that is missing, and one true pose that is none, is a sighting with a
+/// problem.
 SightedSet read_sightings(const SightingSource& source,
                           const std::shared_ptr<const Target>& target);
 
@@ -71,11 +81,12 @@ SightedSet read_sightings(const SightingSource& source,
 /// beside those of the scene's sightings.
 bool has_picture(std::span<const Sighting> sightings, int scene_id, int im_id);
 
-/// A pose in the set's frame of the model, in BOP's millimetres and its rotation as printed, as one
-/// of the target. Throws InputError for a rotation that is none.
-Pose pose_in_metres(const Pose& cam_from_model_mm, const Eigen::Matrix3d& target_from_model);
+/// The pose of an estimate, which is in the set's frame of the model, as one of the target. One
+/// that is no estimate has no finite translation.
+Pose pose_in_metres(const BopEstimate& estimate, const Eigen::Matrix3d& target_from_model);
 
-/// An instance's or an estimate's place: its image, and its origin in the camera's frame.
+/// An instance's or an estimate's place: its image, and its origin in the camera's frame, which is
+/// not finite of an estimate that is none.
 struct PlaceInImage {
   int scene_id = 0;
   int im_id = 0;
@@ -84,7 +95,7 @@ struct PlaceInImage {
 
 /// The sighting that each estimate is of, by its index, or -1: every estimate, in the order that
 /// `scores` put them in, the best first, takes of its image's sightings the one that is nearest and
-/// not yet taken.
+/// not yet taken. An estimate without a position takes what those with one leave.
 std::vector<int> sightings_of(std::span<const PlaceInImage> estimates,
                               std::span<const double> scores, std::span<const Sighting> sightings);
 

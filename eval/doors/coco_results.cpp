@@ -110,13 +110,19 @@ PictureName picture_of(int64_t image_id, const ShownPictures& pictures, size_t p
 
 std::vector<double> numbers_of(const Json& keypoints, size_t place, size_t count) {
   const bool is_right = keypoints.is_array() && keypoints.size() == 3 * count &&
-                        std::all_of(keypoints.begin(), keypoints.end(),
-                                    [](const Json& number) { return number.is_number(); });
+                        std::all_of(keypoints.begin(), keypoints.end(), [](const Json& number) {
+                          return number.is_number() || number.is_null();
+                        });
   if (!is_right) {
     fail(place, fmt::format("has {} values of keypoints, must have x, y, score of each of {}",
                             keypoints.is_array() ? keypoints.size() : 0, count));
   }
-  return keypoints.get<std::vector<double>>();
+  std::vector<double> numbers;
+  for (const Json& number : keypoints) {  // null is what was no number, and so no keypoint
+    numbers.push_back(number.is_null() ? std::numeric_limits<double>::quiet_NaN()
+                                       : number.get<double>());
+  }
+  return numbers;
 }
 
 Detection read_detection(const Json& json, size_t place, const std::optional<Annotations>& known,
@@ -141,8 +147,8 @@ Detection read_detection(const Json& json, size_t place, const std::optional<Ann
   for (size_t i = 0; i < features.size(); ++i) {
     const double score = numbers[3 * i + 2];
     if (features[i] < 0 || !(score > 0) || score < source.least_confidence) continue;
-    detection.keypoints.emplace_back(features[i],
-                                     Eigen::Vector2d(numbers[3 * i], numbers[3 * i + 1]));
+    const Eigen::Vector2d pixel(numbers[3 * i], numbers[3 * i + 1]);
+    if (pixel.allFinite()) detection.keypoints.emplace_back(features[i], pixel);
   }
   return detection;
 }

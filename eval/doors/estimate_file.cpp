@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -18,6 +19,7 @@
 #include "eval/datasets/conventions.h"
 #include "eval/datasets/speed/results_csv.h"
 #include "eval/output/csv_reader.h"
+#include "eval/output/numbers.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -60,9 +62,8 @@ GivenEstimates read_bop(const EstimateSource& source, const SightedSet* set) {
   std::vector<double> scores;
   std::vector<GivenEstimate> given;
   for (const BopEstimate& e : estimates) {
-    given.push_back({EstimateOutcome::kOk,
-                     pose_in_metres(e.cam_from_model, names.target_from_model), e.covariance_rad_m,
-                     e.removed});
+    given.push_back({e.problem.empty() ? EstimateOutcome::kOk : EstimateOutcome::kNotRigid,
+                     pose_in_metres(e, names.target_from_model), e.covariance_rad_m, e.removed});
     places.push_back({e.scene_id, e.im_id, given.back().cam_from_target.translation});
     scores.push_back(e.score);
   }
@@ -102,6 +103,7 @@ GivenEstimates read_speed(const EstimateSource& source, const SightedSet* set) {
                                    source.file.string(), estimate.line, estimate.picture));
     }
     GivenEstimate given;
+    if (!estimate.problem.empty()) given.outcome = EstimateOutcome::kNotRigid;
     given.cam_from_target = {estimate.cam_from_model.rotation * set->target_from_model.transpose(),
                              estimate.cam_from_model.translation};
     const Sighting& sighting = *found->second;
@@ -122,14 +124,16 @@ std::string solver_in(const EstimateSource& source) {
                                source.file.string(), fmt::join(solvers, ", ")));
 }
 
-Eigen::Matrix3d rotation_in(const CsvReader& csv) {
-  const Eigen::Quaterniond q(csv.number("qw"), csv.number("qx"), csv.number("qy"),
-                             csv.number("qz"));
-  try {
-    return rotation_of_printed(q, "the quaternion");
-  } catch (const InputError& error) {
-    csv.fail(fmt::format("is wrong: {}", error.what()));
-  }
+// The pose of a row; none where its numbers are not finite or no rotation.
+std::optional<Pose> pose_in(const CsvReader& csv) {
+  const auto number = [&csv](const char* column) {
+    return csv.number_or(column, std::numeric_limits<double>::quiet_NaN());
+  };
+  const auto rotation =
+      usable_rotation(Eigen::Quaterniond(number("qw"), number("qx"), number("qy"), number("qz")));
+  const Eigen::Vector3d translation(number("tx_m"), number("ty_m"), number("tz_m"));
+  if (!rotation || !translation.allFinite()) return std::nullopt;
+  return Pose{*rotation, translation};
 }
 
 GivenEstimates read_results(const EstimateSource& source) {
@@ -144,9 +148,9 @@ GivenEstimates read_results(const EstimateSource& source) {
       csv.fail(fmt::format("has a status that {}", error.what()));
     }
     if (given.outcome == EstimateOutcome::kOk) {
-      given.cam_from_target.rotation = rotation_in(csv);
-      given.cam_from_target.translation = {csv.number("tx_m"), csv.number("ty_m"),
-                                           csv.number("tz_m")};
+      const std::optional<Pose> pose = pose_in(csv);
+      if (!pose) given.outcome = EstimateOutcome::kNotRigid;
+      given.cam_from_target = pose.value_or(Pose{});
       given.removed = csv.names("removed");
     }
     if (!by_trial.emplace(TrialKey{csv.whole("trial"), 0, 0}, given).second) {
@@ -162,6 +166,10 @@ EstimateFormat format_of(const EstimateSource& source) {
   if (source.format != EstimateFormat::kByHeader) return source.format;
   const CsvReader csv(source.file);
   if (csv.has_column("scene_id") && csv.has_column("R")) return EstimateFormat::kBop;
+  constexpr size_t kBopFields = 7;  // of which a file without a header has a scene first
+  if (csv.columns().size() == kBopFields && parsed_number(csv.columns().front())) {
+    return EstimateFormat::kBop;
+  }
   if (csv.has_column("trial") && csv.has_column("solver")) return EstimateFormat::kSightline;
   constexpr size_t kSpeedFields = 8;
   if (csv.columns().size() == kSpeedFields) return EstimateFormat::kSpeed;
@@ -233,6 +241,12 @@ TrialSolver recorded_solver(const EstimateSource& source, const SightedSet* set)
   TrialSolver solver;
   solver.name = source.name;
   solver.summary = fmt::format("estimates from {}", source.file.filename().string());
+  const auto failed = std::count_if(read.begin(), read.end(), [](const auto& entry) {
+    return entry.second.outcome == EstimateOutcome::kNotRigid;
+  });
+  if (failed > 0) {
+    solver.summary += fmt::format(", of which {} {} no pose", failed, failed == 1 ? "is" : "are");
+  }
   solver.is_recorded = true;
   solver.solve = [given = std::make_shared<const GivenEstimates>(std::move(read)),
                   key_of](const SolverQuestion& question) {

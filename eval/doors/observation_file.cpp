@@ -3,7 +3,9 @@
 #include "eval/doors/observation_file.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -61,7 +63,8 @@ int feature_of(const CsvReader& csv, const Target& target) {
 
 // The instance that a row is of; null where its picture does not show the target.
 const ShownTarget* shown_by(const CsvReader& csv, const ShownPictures& pictures) {
-  const PictureName picture{csv.whole("scene_id"), csv.whole("im_id")};
+  const PictureName picture{csv.integer("scene_id"), csv.integer("im_id")};
+  if (picture.scene_id < 0 || picture.im_id < 0) return nullptr;  // of no picture
   const std::string why_not = pictures.why_not(picture);
   if (!why_not.empty()) csv.fail(why_not);
   const auto shown = pictures.in(picture);
@@ -80,8 +83,21 @@ const ShownTarget* shown_by(const CsvReader& csv, const ShownPictures& pictures)
   return shown.empty() ? nullptr : &shown.front();
 }
 
-bool is_no_number(std::string_view text) {
-  return text.empty() || text == "nan" || text == "NaN";
+// Where a row says that the feature is; none where it says of it that it was not found, by numbers
+// that are no place in any picture.
+std::optional<Eigen::Vector2d> place_in(const CsvReader& csv) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const Eigen::Vector2d uv(csv.number_or("u", kNone), csv.number_or("v", kNone));
+  if (!(uv.cwiseAbs().maxCoeff() <= kFarthestPx) || !uv.allFinite()) return std::nullopt;
+  return uv;
+}
+
+// Whether the numbers that weigh a row are finite: it counts as not found otherwise.
+bool has_finite_weights(const CsvReader& csv) {
+  constexpr std::array kWeights = {"sigma", "var_uu", "var_uv", "var_vv", "confidence"};
+  return std::all_of(kWeights.begin(), kWeights.end(), [&csv](const char* column) {
+    return !csv.has_column(column) || std::isfinite(csv.number_or(column, 0));
+  });
 }
 
 GivenObservations read_csv(const ObservationSource& source, const ShownPictures& pictures) {
@@ -91,15 +107,14 @@ GivenObservations read_csv(const ObservationSource& source, const ShownPictures&
   while (csv.next()) {
     const int feature = feature_of(csv, pictures.target());
     const ShownTarget* const shown = shown_by(csv, pictures);
-    if (is_no_number(csv.text("u")) && is_no_number(csv.text("v"))) continue;
-    const Eigen::Vector2d uv(csv.number("u", {-kFarthestPx, kFarthestPx}),
-                             csv.number("v", {-kFarthestPx, kFarthestPx}));
+    const auto uv = place_in(csv);
+    if (!uv || !has_finite_weights(csv)) continue;
     const auto covariance = covariance_in(csv);
     const bool is_sure =
         !csv.has_column("confidence") || csv.number("confidence") >= source.least_confidence;
     if (shown == nullptr || !is_sure) continue;
     GivenFeatures& features = given[{shown->picture.scene_id, shown->picture.im_id, shown->gt_id}];
-    const GivenObservation observation{pixel_of(uv, source.pixels, shown->camera), covariance};
+    const GivenObservation observation{pixel_of(*uv, source.pixels, shown->camera), covariance};
     if (!features.emplace(feature, observation).second) {
       csv.fail(fmt::format("has '{}' of image {} of scene {} a second time", csv.text("feature"),
                            shown->picture.im_id, shown->picture.scene_id));

@@ -15,6 +15,7 @@
 #include "eval/image_sets/truth.h"
 #include "eval/output/output_folder.h"
 #include "eval/work/interrupt.h"
+#include "eval/work/memory.h"
 #include "eval/work/shares.h"
 #include "renderer/gl_context.h"
 #include "scenes/files/input_error.h"
@@ -151,6 +152,10 @@ void render_share(const SetPlan& plan, const fs::path& folder, const Shard& shar
 }  // namespace
 
 SetResult render_set(const SetPlan& plan, const SetOptions& options) {
+  const Camera& camera = plan.images().setups.front().scene.camera;
+  const std::string why_not =
+      why_no_memory(camera.width_px, camera.height_px, options.jobs, free_memory_bytes());
+  if (!why_not.empty()) throw InputError(fmt::format("camera.width_px: {}", why_not));
   const fs::path& folder = options.out;
   make_folder(folder);
   refuse_foreign(folder);

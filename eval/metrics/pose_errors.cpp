@@ -124,6 +124,28 @@ VertexErrors vertex_errors(const Vertices& vertices, const Camera& camera, const
           .mspd_px = greatest_distance(pixels_of(there, camera), pixels_of(true_places, camera))};
 }
 
+double least_mspd_px(const Vertices& vertices, const Camera& camera, const Pose& estimated,
+                     const Pose& truth, std::span<const Pose> symmetries) {
+  const Eigen::Matrix2Xd there = pixels_of(moved(vertices, estimated), camera);
+  double least = kInfinity;
+  for (const Pose& symmetry : symmetries) {
+    const Eigen::Matrix2Xd alike = pixels_of(moved(vertices, truth * symmetry), camera);
+    least = std::min(least, greatest_distance(there, alike));
+  }
+  return least;
+}
+
+Pose turned_towards(const Pose& estimated, const Pose& pose, const Eigen::Vector3d& direction,
+                    const Eigen::Vector3d& point) {
+  // trace(M Rot) = cos (trace M - a^T M a) + sin trace(M [a]x) + a^T M a.
+  const Eigen::Matrix3d m = estimated.rotation.transpose() * pose.rotation;
+  const Eigen::Vector3d skew(m(1, 2) - m(2, 1), m(2, 0) - m(0, 2), m(0, 1) - m(1, 0));
+  const double cosine = m.trace() - direction.dot(m * direction);
+  const double angle_rad = std::atan2(direction.dot(skew), cosine);
+  const Eigen::Matrix3d turn = rotation_from_vector(angle_rad * direction);
+  return pose * Pose{turn, point - turn * point};
+}
+
 double projection_px(const Vertices& vertices, const Eigen::Matrix3d& k, const Pose& estimated,
                      const Pose& truth) {
   const double mean =

@@ -56,6 +56,16 @@ struct VertexErrors {
 VertexErrors vertex_errors(const Vertices& vertices, const Camera& camera, const Pose& estimated,
                            const Pose& truth);
 
+/// The least greatest distance of a vertex's pixels, as VertexErrors has it, over the true poses at
+/// all symmetries.
+double least_mspd_px(const Vertices& vertices, const Camera& camera, const Pose& estimated,
+                     const Pose& truth, std::span<const Pose> symmetries);
+
+/// The pose, turned about a line of its object by the angle at which its rotation is nearest to the
+/// estimated one: with M = estimated^T pose, the trace of M Rot(phi) is greatest.
+Pose turned_towards(const Pose& estimated, const Pose& pose, const Eigen::Vector3d& direction,
+                    const Eigen::Vector3d& point);
+
 /// Mean distance of the vertices' pixels (Brachmann et al., CVPR 2016: "2D projection", good below
 /// 5 px). MSPD is the greatest instead.
 double projection_px(const Vertices& vertices, const Eigen::Matrix3d& k, const Pose& estimated,

@@ -7,10 +7,21 @@
 
 #include <fmt/format.h>
 
+#include "eval/output/numbers.h"
+
 namespace sightline {
+
+bool seems_formula(std::string_view text) {
+  if (text.empty() || std::string_view("=+-@\t").find(text[0]) == std::string_view::npos)
+    return false;
+  const bool is_below_zero =
+      text[0] == '-' && text.size() > 1 && (text[1] == '.' || (text[1] >= '0' && text[1] <= '9'));
+  return !is_below_zero && !parsed_number(text);
+}
 
 CsvLine& CsvLine::operator<<(std::string_view text) {
   begin_field();
+  if (seems_formula(text)) text_ += '\'';
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) {
     text_ += text;
     return *this;

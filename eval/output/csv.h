@@ -9,8 +9,13 @@
 
 namespace sightline {
 
+/// Whether a spreadsheet takes a text for a formula, which it would run: it begins with =, +, - or
+/// @ (or a tab, which is dropped) and is no number, nor begins like one below zero.
+bool seems_formula(std::string_view text);
+
 /// A line of a CSV file, to which `<<` adds the fields one by one: texts quoted where they have to
-/// be (RFC 4180), numbers as the shortest that read back the same.
+/// be (RFC 4180) and with an apostrophe before what seems a formula, numbers as the shortest that
+/// read back the same.
 class CsvLine {
  public:
   CsvLine& operator<<(std::string_view text);

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/output/csv.h"
 #include "eval/output/numbers.h"
 #include "scenes/files/input_error.h"
 
@@ -56,6 +57,8 @@ std::optional<std::vector<std::string>> fields_of(std::string_view line) {
     }
     const size_t comma = line.find(',');
     field += trimmed(line.substr(0, comma));
+    if (field.starts_with('\'') && seems_formula(std::string_view(field).substr(1)))
+      field.erase(0, 1);
     fields.push_back(std::move(field));
     if (comma == std::string_view::npos) return fields;
     line.remove_prefix(comma + 1);
@@ -65,6 +68,13 @@ std::optional<std::vector<std::string>> fields_of(std::string_view line) {
 std::optional<double> finite_number(std::string_view text) {
   const auto value = parsed_number(text);
   return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::optional<int> whole_number_of(std::string_view text) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
 }
 
 std::vector<std::string_view> words_of(std::string_view text) {
@@ -150,13 +160,15 @@ std::string_view CsvReader::text(std::string_view column) const {
 }
 
 int CsvReader::whole(std::string_view column) const {
-  const std::string_view text = this->text(column);
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || value < 0) {
-    fail(fmt::format("has {} '{}', must be a whole number from 0", column, text));
-  }
-  return value;
+  const auto value = whole_number_of(text(column));
+  if (value && *value >= 0) return *value;
+  fail(fmt::format("has {} '{}', must be a whole number from 0", column, text(column)));
+}
+
+int CsvReader::integer(std::string_view column) const {
+  const auto value = whole_number_of(text(column));
+  if (value) return *value;
+  fail(fmt::format("has {} '{}', must be a whole number", column, text(column)));
 }
 
 double CsvReader::number_or(std::string_view column, double if_empty) const {
@@ -178,7 +190,7 @@ double CsvReader::number(std::string_view column, Interval allowed) const {
   return *value;
 }
 
-std::vector<double> CsvReader::numbers(std::string_view column, size_t count) const {
+std::vector<double> CsvReader::any_numbers(std::string_view column, size_t count) const {
   const std::vector<std::string_view> words = words_of(text(column));
   if (words.size() != count) {
     fail(fmt::format("has {} numbers for {}, must have {} with spaces between them", words.size(),
@@ -186,9 +198,19 @@ std::vector<double> CsvReader::numbers(std::string_view column, size_t count) co
   }
   std::vector<double> values;
   for (const std::string_view word : words) {
-    const auto value = finite_number(word);
-    if (!value) fail(fmt::format("has '{}' for {}, must be a finite number", word, column));
+    const auto value = parsed_number(word);
+    if (!value) fail(fmt::format("has '{}' for {}, must be a number", word, column));
     values.push_back(*value);
+  }
+  return values;
+}
+
+std::vector<double> CsvReader::numbers(std::string_view column, size_t count) const {
+  std::vector<double> values = any_numbers(column, count);
+  for (const double value : values) {
+    if (!std::isfinite(value)) {
+      fail(fmt::format("has '{}' for {}, must be a finite number", value, column));
+    }
   }
   return values;
 }

@@ -37,11 +37,14 @@ class CsvReader {
   std::string_view text(std::string_view column) const;
   bool is_empty(std::string_view column) const { return text(column).empty(); }
   int whole(std::string_view column) const;                             ///< 0 or greater
+  int integer(std::string_view column) const;                           ///< of any sign
   double number(std::string_view column, Interval allowed = {}) const;  ///< finite
   /// Any number, nan and infinities among them, or what is said of an empty field.
   double number_or(std::string_view column, double if_empty) const;
   /// Exactly so many numbers with spaces between them.
   std::vector<double> numbers(std::string_view column, size_t count) const;
+  /// The same where each may be nan or infinite.
+  std::vector<double> any_numbers(std::string_view column, size_t count) const;
   /// Names with semicolons between them; none of an empty field.
   std::vector<std::string> names(std::string_view column) const;
 

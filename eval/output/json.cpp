@@ -3,9 +3,13 @@
 #include "eval/output/json.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <iterator>
+#include <limits>
+#include <string_view>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -13,10 +17,16 @@
 #include "scenes/files/input_error.h"
 
 namespace sightline {
+namespace {
 
-Json read_json(const std::filesystem::path& file) {
-  constexpr uintmax_t kMostBytes = uintmax_t{1} << 30;
-  constexpr int kDeepest = 100;
+constexpr uintmax_t kMostBytes = uintmax_t{1} << 30;
+constexpr int kDeepest = 100;
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+
+// What Python's json writes for numbers that JSON has not.
+constexpr std::array<std::string_view, 3> kNoNumbers = {"-Infinity", "Infinity", "NaN"};
+
+std::string bytes_of(const std::filesystem::path& file) {
   std::error_code error;
   const bool is_file = std::filesystem::is_regular_file(file, error);
   std::ifstream stream;
@@ -24,18 +34,114 @@ Json read_json(const std::filesystem::path& file) {
   if (!is_file || !stream) {
     throw InputError(fmt::format("{}: is missing or cannot be read", file.string()));
   }
-  if (std::filesystem::file_size(file, error) > kMostBytes) {
+  const uintmax_t size = std::filesystem::file_size(file, error);
+  if (error || size > kMostBytes) {
     throw InputError(fmt::format("{}: is larger than 1 GiB", file.string()));
   }
+  std::string bytes(size, '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(size));
+  bytes.resize(static_cast<size_t>(stream.gcount()));
+  return bytes;
+}
+
+// The text with null for each of kNoNumbers that stands outside of a string.
+std::string with_null_for_no_numbers(std::string text) {
+  const std::string_view all = text;
+  if (all.find("NaN") == all.npos && all.find("Infinity") == all.npos) return text;
+  std::string out;
+  bool is_in_string = false;
+  for (size_t i = 0; i < all.size();) {
+    const bool is_escaped = is_in_string && all[i] == '\\';
+    if (all[i] == '"') is_in_string = !is_in_string;
+    const auto word = std::find_if(kNoNumbers.begin(), kNoNumbers.end(), [&](std::string_view w) {
+      return all.substr(i, w.size()) == w;
+    });
+    const bool is_word = !is_in_string && word != kNoNumbers.end();
+    const size_t length = is_word ? word->size() : (is_escaped ? 2 : 1);
+    out += is_word ? "null" : all.substr(i, length);
+    i += length;
+  }
+  return out;
+}
+
+// Where in a text its byte, counted from 1, stands.
+std::string place_of(std::string_view text, size_t byte) {
+  const std::string_view before = text.substr(0, byte > 0 ? byte - 1 : 0);
+  const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+  const size_t line_break = before.rfind('\n');
+  const size_t column = before.size() - (line_break == before.npos ? 0 : line_break + 1) + 1;
+  return fmt::format("line {}, column {}", line, column);
+}
+
+// In our words, what a reader misses that asks for more than there is: the library's own texts
+// speak of its types and exceptions.
+std::string words_of(const Json::exception& problem) {
+  constexpr int kNoSuchKey = 403;
+  const std::string_view text = problem.what();
+  const size_t begin = text.find('\'');
+  const size_t end = text.rfind('\'');
+  if (problem.id == kNoSuchKey && begin < end) {
+    return fmt::format("has no '{}'", text.substr(begin + 1, end - begin - 1));
+  }
+  constexpr int kNoSuchElement = 401;
+  if (problem.id == kNoSuchElement) return "has a list that is too short";
+  constexpr std::string_view kMust = "type must be ";
+  constexpr std::string_view kIs = ", but is ";
+  const size_t must = text.find(kMust);
+  const size_t is = text.find(kIs);
+  if (must == text.npos || is == text.npos || is < must) return "has a value of another kind";
+  const size_t from = must + kMust.size();
+  return fmt::format("has {} where {} must stand", text.substr(is + kIs.size()),
+                     text.substr(from, is - from));
+}
+
+[[noreturn]] void fail_as_no_format(const std::filesystem::path& file, const std::string& why) {
+  throw InputError(fmt::format("{}: is not as its format has it: {}", file.string(), why));
+}
+
+// The numbers of an array, and of the arrays in it; of null NaN.
+void append_numbers(const Json& json, const std::string& key, std::vector<double>& numbers) {
+  for (const Json& value : json) {
+    if (value.is_array()) {
+      append_numbers(value, key, numbers);
+    } else if (value.is_number()) {
+      numbers.push_back(value.get<double>());
+    } else if (value.is_null()) {
+      numbers.push_back(std::numeric_limits<double>::quiet_NaN());
+    } else {
+      throw InputError(fmt::format("{} has {} among its numbers", key, value.dump().substr(0, 40)));
+    }
+  }
+}
+
+[[noreturn]] void fail_as_no(const char* kind, const std::string& key, const Json& value) {
+  throw InputError(fmt::format("{} is {}, must be {}", key, value.dump().substr(0, 40), kind));
+}
+
+std::vector<double> numbers_of(const Json& array, const std::string& what, size_t count) {
+  if (!array.is_array()) fail_as_no("a list of numbers", what, array);
+  std::vector<double> numbers;
+  append_numbers(array, what, numbers);
+  if (numbers.size() == count) return numbers;
+  throw InputError(fmt::format("{} has {} numbers, must have {}", what, numbers.size(), count));
+}
+
+}  // namespace
+
+Json read_json(const std::filesystem::path& file) {
+  std::string text = bytes_of(file);
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  text = with_null_for_no_numbers(std::move(text));
   const auto check_depth = [&](int depth, Json::parse_event_t, const Json&) {
     if (depth <= kDeepest) return true;
     throw InputError(fmt::format("{}: is nested deeper than {}", file.string(), kDeepest));
   };
   try {
-    return Json::parse(stream, check_depth);
-  } catch (const Json::exception& problem) {
-    throw InputError(
-        fmt::format("{}: is not as its format has it: {}", file.string(), problem.what()));
+    return Json::parse(text, check_depth);
+  } catch (const Json::parse_error& problem) {
+    fail_as_no_format(file, fmt::format("is no JSON at {}", place_of(text, problem.byte)));
+  } catch (const Json::exception& problem) {  // a number that no double holds
+    fail_as_no_format(file, "is no JSON, or has a number that is too large");
   }
 }
 
@@ -44,19 +150,67 @@ void with_json(const std::filesystem::path& file, const std::function<void(const
   try {
     use(json);
   } catch (const Json::exception& error) {
-    throw InputError(
-        fmt::format("{}: is not as its format has it: {}", file.string(), error.what()));
+    fail_as_no_format(file, words_of(error));
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", file.string(), error.what()));
   }
 }
 
+std::string first_key_in(const Json& json, std::span<const char* const> keys) {
+  const auto found = std::find_if(keys.begin(), keys.end(), [&json](const char* key) {
+    return json.is_object() && json.contains(key);
+  });
+  return found == keys.end() ? keys.front() : *found;
+}
+
+const Json& value_in(const Json& json, const std::string& key) {
+  if (!json.is_object()) {
+    throw InputError(
+        fmt::format("has {} where an object with '{}' must stand", json.dump().substr(0, 40), key));
+  }
+  const auto found = json.find(key);
+  if (found == json.end())
+    throw InputError(fmt::format("is not as its format has it: has no '{}'", key));
+  return *found;
+}
+
+int whole_in(const Json& json, const std::string& key) {
+  const Json& value = value_in(json, key);
+  constexpr int64_t kMost = std::numeric_limits<int>::max();
+  if (!value.is_number_integer()) fail_as_no("a whole number", key, value);
+  const bool fits = value.is_number_unsigned()
+                        ? value.get<uint64_t>() <= static_cast<uint64_t>(kMost)
+                        : value.get<int64_t>() >= -kMost && value.get<int64_t>() <= kMost;
+  if (!fits) fail_as_no("a whole number below 2^31", key, value);
+  return value.get<int>();
+}
+
+double number_in(const Json& json, const std::string& key) {
+  const Json& value = value_in(json, key);
+  if (!value.is_number() || !std::isfinite(value.get<double>())) fail_as_no("a number", key, value);
+  return value.get<double>();
+}
+
+std::string text_in(const Json& json, const std::string& key) {
+  const Json& value = value_in(json, key);
+  if (!value.is_string()) fail_as_no("a text", key, value);
+  return value.get<std::string>();
+}
+
+std::vector<double> numbers_or_nan_in(const Json& json, const std::string& key, size_t count) {
+  return numbers_of(value_in(json, key), key, count);
+}
+
+std::vector<double> finite_numbers(const Json& array, const std::string& what, size_t count) {
+  std::vector<double> numbers = numbers_of(array, what, count);
+  const bool is_finite = std::all_of(numbers.begin(), numbers.end(),
+                                     [](double value) { return std::isfinite(value); });
+  if (is_finite) return numbers;
+  throw InputError(fmt::format("{} has what is no finite number", what));
+}
+
 std::vector<double> numbers_in(const Json& json, const std::string& key, size_t count) {
-  const auto values = json.at(key).get<std::vector<double>>();
-  const bool is_finite =
-      std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
-  if (values.size() == count && is_finite) return values;
-  throw InputError(fmt::format("{} has {} numbers, must have {}", key, values.size(), count));
+  return finite_numbers(value_in(json, key), key, count);
 }
 
 }  // namespace sightline

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,16 +14,34 @@ namespace sightline {
 
 using Json = nlohmann::ordered_json;
 
-/// What a file of somebody's holds. Throws InputError, with the file, where it is missing, no
-/// regular file (a pipe or a device would never end), over 1 GiB, no JSON, or nested deeper than
-/// 100 arrays and objects, which no format that we read is: what walks through JSON calls itself.
+/// What a file of somebody's holds. A byte-order mark at its beginning does not count, and what
+/// Python writes where JSON has no number (NaN, Infinity, -Infinity) is null. Throws InputError,
+/// with the file, where it is missing, no regular file (a pipe or a device would never end), over
+/// 1 GiB, no JSON, or nested deeper than 100 arrays and objects, which no format that we read is:
+/// what walks through JSON calls itself.
 Json read_json(const std::filesystem::path& file);
 
 /// Calls `use` with what read_json gives. Throws InputError, with the file, where it lacks what
 /// `use` asks it for.
 void with_json(const std::filesystem::path& file, const std::function<void(const Json&)>& use);
 
-/// The finite numbers of an array of that length; throws InputError where it is none.
+// What stands under a key of an object. All throw InputError, with the key, what stands there and
+// what must, where it is not so.
+
+/// The first of these keys that the object has; where it has none, the first of them.
+std::string first_key_in(const Json& json, std::span<const char* const> keys);
+/// The value itself.
+const Json& value_in(const Json& json, const std::string& key);
+/// A whole number that an int holds.
+int whole_in(const Json& json, const std::string& key);
+/// A finite number.
+double number_in(const Json& json, const std::string& key);
+std::string text_in(const Json& json, const std::string& key);
+/// So many finite numbers, in an array or in arrays of them, as a matrix may be written.
 std::vector<double> numbers_in(const Json& json, const std::string& key, size_t count);
+/// The same of the array itself, which errors call `what`.
+std::vector<double> finite_numbers(const Json& array, const std::string& what, size_t count);
+/// numbers_in where null, which stands for what is no number, is NaN.
+std::vector<double> numbers_or_nan_in(const Json& json, const std::string& key, size_t count);
 
 }  // namespace sightline

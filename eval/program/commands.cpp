@@ -18,6 +18,7 @@ void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_compare(app, exit_code);
   add_solve(app, exit_code);
   add_align(app, exit_code);
+  add_coverage(app);
   add_list(app);
   add_target(app);
   add_doctor(app);

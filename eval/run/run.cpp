@@ -14,10 +14,9 @@
 #include "eval/run/manifest.h"
 #include "eval/run/run_folder.h"
 #include "eval/run/run_results.h"
-#include "eval/trial/image_trial.h"
-#include "eval/trial/numeric_trial.h"
-#include "eval/trial/orientation_trial.h"
+#include "eval/run/trial_runner.h"
 #include "eval/work/interrupt.h"
+#include "eval/work/memory.h"
 #include "eval/work/shares.h"
 #include "renderer/renderer.h"
 #include "scenes/files/input_error.h"
@@ -30,33 +29,6 @@ namespace fs = std::filesystem;
 // What a batch may hold and take, so that a run that is killed loses little.
 constexpr size_t kMostTrialsABatch = 1000;
 constexpr std::chrono::seconds kLongestBatch{1};
-
-// Runs trials of any kind of study. Only images need a renderer. One is made in the process that
-// uses it: graphics libraries do not survive a fork.
-class TrialRunner {
- public:
-  TrialRunner(const Study& study, const RendererOptions& renderer) : study_(study) {
-    if (study.images() != nullptr) renderer_.emplace(renderer);
-  }
-
-  TrialRecord run(int64_t index) {
-    return std::visit([&](const auto& study) { return run(study, index); }, study_.kind);
-  }
-
- private:
-  TrialRecord run(const ImageStudy& study, int64_t index) {
-    return run_image_trial(study, study_.seed, index, *renderer_).record;
-  }
-  TrialRecord run(const NumericStudy& study, int64_t index) {
-    return run_numeric_trial(study, study_.seed, index);
-  }
-  TrialRecord run(const OrientationStudy& study, int64_t index) {
-    return run_orientation_trial(study, study_.seed, index);
-  }
-
-  const Study& study_;
-  std::optional<Renderer> renderer_;
-};
 
 // Runs the trials of a shard that are not done yet.
 void run_shard(const Study& study, const Shard& shard, const RendererOptions& renderer,
@@ -116,6 +88,17 @@ int64_t run_jobs(const Study& study, const RunOptions& options, const OutputFold
   return done_before;
 }
 
+// Images that the machine has no memory for are refused before anything is begun.
+void require_memory(const Study& study, const RunOptions& options) {
+  if (!study.renders()) return;
+  for (const ImageSetup& setup : study.images()->setups) {
+    const Camera& camera = setup.scene.camera;
+    const std::string why_not =
+        why_no_memory(camera.width_px, camera.height_px, options.jobs, free_memory_bytes());
+    if (!why_not.empty()) throw InputError(fmt::format("camera.width_px: {}", why_not));
+  }
+}
+
 // A run that is complete, of which nothing is left to do; none where there is no such run.
 std::optional<RunResult> complete_run(const Study& study, const RunOptions& options) {
   const fs::path file = options.out / kStoreFile;
@@ -156,6 +139,7 @@ RunResult run_study(const Study& study, const RunOptions& options) {
   if (options.is_resumed) {
     if (const std::optional<RunResult> result = complete_run(study, options)) return *result;
   }
+  require_memory(study, options);
   OutputFolder folder(options.out, OutputFolder::Leftovers::kKeep);
   Store store = store_for(folder, options, meta_of(study, options));
   try {

@@ -38,15 +38,18 @@ std::vector<size_t> counting_estimates(std::vector<size_t> of_object, size_t cou
   return of_object;
 }
 
+// The depth of an image; none where it is missing, torn or no such picture.
+std::optional<cv::Mat> depth_of(const BopImage& image) {
+  if (image.depth_file.empty()) return std::nullopt;
+  cv::Mat depth = read_picture(image.depth_file);
+  if (depth.empty() || depth.channels() != 1) return std::nullopt;
+  return depth;
+}
+
 // Draws what VSD compares.
 class Views {
  public:
-  // The image must have depth.
-  explicit Views(const BopImage& image) : k_(image.k) {
-    cv::Mat depth = read_picture(image.depth_file);
-    if (depth.empty() || depth.channels() != 1) {
-      throw InputError(fmt::format("{}: is no depth image", image.depth_file.string()));
-    }
+  Views(const BopImage& image, cv::Mat depth) : k_(image.k) {
     depth.convertTo(depth, CV_64F, image.depth_scale);
     camera_ = {.width_px = depth.cols,
                .height_px = depth.rows,
@@ -96,6 +99,7 @@ class Group {
     for (size_t row = 0; row < counting_.size(); ++row) {
       const cv::Mat estimated = views.of(model_, estimates_[counting_[row]].cam_from_model);
       for (size_t column = 0; column < instances_.size(); ++column) {
+        if (!image_.instances[instances_[column]].has_pose) continue;
         pairs_[row * instances_.size() + column].vsd =
             vsd(views.test_mm(), truths[column], estimated, delta_mm, taus_mm);
       }
@@ -156,10 +160,17 @@ class Group {
     BopPair pair;
     pair.estimate = e;
     pair.instance = g;
+    if (!image_.instances[g].has_pose) return unknown(pair);
     for (const PairMeasure& measure : pair_measures()) {
       const bool is_known = has_model() || !measure.needs_model;
       pair.*measure.number = is_known ? measure.of(poses) : kNoNumber;
     }
+    return pair;
+  }
+
+  // A pair whose errors nobody knows, which is no match at any threshold.
+  static BopPair unknown(BopPair pair) {
+    for (const PairMeasure& measure : pair_measures()) pair.*measure.number = kNoNumber;
     return pair;
   }
 
@@ -288,8 +299,12 @@ BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> esti
     by_object[{e.scene_id, e.im_id, e.obj_id}].push_back(i);
   }
   BopScores scores;
-  scores.has_vsd = std::none_of(dataset.images.begin(), dataset.images.end(),
-                                [](const BopImage& image) { return image.depth_file.empty(); });
+  scores.has_faces =
+      std::none_of(dataset.models.begin(), dataset.models.end(),
+                   [](const auto& entry) { return entry.second.mesh_mm.triangles.empty(); });
+  scores.has_vsd = scores.has_faces &&
+                   std::any_of(dataset.images.begin(), dataset.images.end(),
+                               [](const BopImage& image) { return !image.depth_file.empty(); });
   scores.has_models =
       std::none_of(dataset.models.begin(), dataset.models.end(),
                    [](const auto& entry) { return entry.second.points_mm.cols() == 0; });
@@ -297,14 +312,17 @@ BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> esti
   for (size_t i = 0; i < dataset.images.size(); ++i) {
     const BopImage& image = dataset.images[i];
     std::optional<Views> views;
+    const auto depth = scores.has_vsd ? depth_of(image) : std::nullopt;
+    if (scores.has_vsd && !depth) ++scores.images_without_depth;
     for (const auto& [obj_id, count] : image.targets) {
-      const std::vector<size_t> counting =
+      std::vector<size_t> counting =
           counting_estimates(by_object[{image.scene_id, image.im_id, obj_id}], count, estimates);
       scores.ignored_estimates -= counting.size();
+      std::erase_if(counting, [&](size_t e) { return !estimates[e].problem.empty(); });
       Group group(image, dataset.models.at(obj_id), estimates, counting,
                   asked_instances(image, obj_id));
-      if (scores.has_vsd && !counting.empty()) {
-        if (!views) views.emplace(image);
+      if (depth && !counting.empty()) {
+        if (!views) views.emplace(image, *depth);
         group.add_vsd(*views, vsd_delta_mm);
       }
       for (BopTarget& target : group.targets(i, obj_id))
@@ -313,6 +331,20 @@ BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> esti
     tick();
   }
   return scores;
+}
+
+std::string note_on_vsd(const BopScores& scores) {
+  if (!scores.has_faces) {
+    return "a model of the data set has points and no faces, so there is no VSD and no AR";
+  }
+  if (!scores.has_vsd) {
+    return "the data set has images without depth, so there is no VSD and no AR";
+  }
+  if (scores.images_without_depth == 0) return "";
+  return fmt::format(
+      "the depth of {} of the images is missing or cannot be read, and what they ask "
+      "for counts as missed by VSD",
+      scores.images_without_depth);
 }
 
 BopSummary summarise(const BopScores& scores) {

@@ -68,9 +68,16 @@ struct BopTarget {
 struct BopScores {
   std::vector<BopTarget> targets;
   size_t ignored_estimates = 0;  ///< of what is not asked for, or beyond the number of instances
-  bool has_vsd = true;           ///< every image with a target has depth
+  /// Images have depth, and every object has faces. A target in an image whose depth is missing
+  /// or cannot be read, while others' can, is missed by VSD.
+  bool has_vsd = true;
+  bool has_faces = true;         ///< every object has faces
+  int images_without_depth = 0;  ///< where has_vsd
   bool has_models = true;        ///< every object has vertices
 };
+
+/// Why there is no VSD, or what it lacks, in a line; empty where it lacks nothing.
+std::string note_on_vsd(const BopScores& scores);
 
 /// Of one target: the share of the thresholds that it passes, of VSD the mean over tau.
 struct TargetRecalls {
@@ -93,6 +100,8 @@ bool is_add_s_good(const BopTarget& target);
 /// error below the threshold. Our own errors are of the same without a threshold, by MSSD. `tick`
 /// is called for every image. Of an object without vertices there are the errors of the pose alone,
 /// by T_error.
+/// An estimate that is none, and every one of an instance without a true pose, has no pair: the
+/// target is missed.
 /// VSD deviates where an estimate has vertices behind the camera: it then sees nothing.
 BopScores score_bop(
     const BopDataset& dataset, std::span<const BopEstimate> estimates, double vsd_delta_mm,

@@ -168,9 +168,9 @@ mustache::object named(std::string name, mustache::object cell, const std::strin
   return cell;
 }
 
-std::string lead(const BopSummary& all, bool has_models) {
+std::string lead(const BopSummary& all, const BopScores& scores) {
   if (all.targets == 0) return "The data set asks for no instance.";
-  if (!has_models) {
+  if (!scores.has_models) {
     return fmt::format("Mean SPEED score: {} {}. Without a model there are errors of poses alone.",
                        fixed(all.speed_score.mean, 4), interval(all.speed_score.mean_ci95, 4));
   }
@@ -178,7 +178,9 @@ std::string lead(const BopSummary& all, bool has_models) {
   const BopRate& rate = has_vsd ? all.ar : all.ar_mssd;
   return fmt::format("{}: {} {}.{}", has_vsd ? "Average recall" : "Average recall of MSSD",
                      fixed(rate.value, 3), interval(rate.ci95, 3),
-                     has_vsd ? "" : " Images without depth have no VSD, and so no AR.");
+                     has_vsd             ? ""
+                     : !scores.has_faces ? " A model without faces has no VSD, and so no AR."
+                                         : " Images without depth have no VSD, and so no AR.");
 }
 
 std::string counts(const ScoredResults& input, const BopSummary& all) {
@@ -203,7 +205,7 @@ std::string answer_html(const ScoredResults& input) {
            << named("median geodesic error", median_cell(all.geodesic_deg), "°");
   return mustache::mustache(page_text("score_answer.mustache"))
       .render(mustache::object{{"results", input.results},
-                               {"lead", lead(all, input.scores.has_models)},
+                               {"lead", lead(all, input.scores)},
                                {"findings", findings},
                                {"counts", counts(input, all)}});
 }

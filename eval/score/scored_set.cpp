@@ -2,25 +2,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/score/scored_set.h"
 
-#include <array>
 #include <fstream>
 #include <set>
-#include <span>
 #include <string_view>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <opencv2/core.hpp>
 
 #include "eval/datasets/conventions.h"
 #include "eval/datasets/model_file.h"
-#include "eval/datasets/pictures.h"
 #include "eval/datasets/set_readers.h"
 #include "eval/datasets/speed/layout.h"
 #include "eval/datasets/speed/results_csv.h"
 #include "eval/output/json.h"
 #include "scenes/files/input_error.h"
 #include "scenes/mesh/diameter.h"
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {
@@ -53,25 +50,31 @@ BopModel speed_model(const fs::path& file) {
   return model;
 }
 
+// All pictures of a set in SPEED+'s format have one camera, and so one size.
+int width_of_first(const std::vector<Sighting>& sightings) {
+  for (const Sighting& sighting : sightings) {
+    if (const auto size = picture_size(sighting.picture)) return size->width;
+  }
+  throw InputError(fmt::format("{}: cannot be read as a picture, nor any other of the set",
+                               sightings.front().picture.string()));
+}
+
 ScoredSet read_speed(const SetReader& reader, const SightingSource& source) {
   const SetReading reading = reader.read(source);
   ScoredSet set;
   set.dataset.models[kObject] = speed_model(reading.model_file);
-  const cv::Mat first = read_picture(reading.sightings.front().picture);
-  if (first.empty()) {
-    throw InputError(
-        fmt::format("{}: cannot be read as a picture", reading.sightings.front().picture.string()));
-  }
+  const int width_px = width_of_first(reading.sightings);
   for (const Sighting& sighting : reading.sightings) {
     BopImage& image = set.dataset.images.emplace_back();
     image.folder = source.folder;
     image.im_id = sighting.im_id;
-    image.width_px = first.cols;
+    image.width_px = width_px;
     image.k = matrix_of(sighting.camera);
     const Pose& pose = sighting.cam_from_target;
     image.instances.push_back(
         {.obj_id = kObject,
-         .cam_from_model = {pose.rotation, kMillimetresPerMetre * pose.translation}});
+         .cam_from_model = {pose.rotation, kMillimetresPerMetre * pose.translation},
+         .has_pose = sighting.problem != EstimateOutcome::kNoTruth});
     image.targets[kObject] = 1;
     set.im_id_of_picture[sighting.picture.filename().string()] = sighting.im_id;
   }
@@ -91,36 +94,24 @@ BopEstimate bop_estimate(const std::string& where, const SpeedEstimate& estimate
           .obj_id = kObject,
           .score = 1,
           .cam_from_model = {pose.rotation, kMillimetresPerMetre * pose.translation},
-          .line = estimate.line};
-}
-
-std::vector<double> numbers_of(const Json& entry, std::span<const char* const> keys, size_t count) {
-  for (const char* key : keys) {
-    if (entry.contains(key)) return numbers_in(entry, key, count);
-  }
-  throw InputError(fmt::format("has no {}", keys.front()));
+          .line = estimate.line,
+          .problem = estimate.problem};
 }
 
 std::vector<BopEstimate> read_speed_list(const fs::path& file, const ScoredSet& set) {
-  constexpr std::array kAttitudes = {speed::kAttitude, speed::kAttitudeOfSpeed};
-  constexpr std::array kPositions = {speed::kPosition, "r_Vo2To_vbs"};
   std::vector<BopEstimate> estimates;
   std::set<std::string> seen;
   with_json(file, [&](const Json& list) {
     for (const Json& entry : list) {
       const std::string where = fmt::format("element {}", estimates.size());
-      const std::vector<double> q = numbers_of(entry, kAttitudes, 4);
-      const std::vector<double> r_m = numbers_of(entry, kPositions, 3);
+      const std::vector<double> q =
+          numbers_or_nan_in(entry, first_key_in(entry, speed::kAttitudes), 4);
+      const std::vector<double> r_m =
+          numbers_or_nan_in(entry, first_key_in(entry, speed::kPositions), 3);
       SpeedEstimate estimate;
-      estimate.picture = fs::path(entry.at(speed::kPicture).get<std::string>()).filename().string();
+      estimate.picture = fs::path(text_in(entry, speed::kPicture)).filename().string();
       estimate.line = static_cast<int>(estimates.size());
-      try {
-        estimate.cam_from_model.rotation =
-            rotation_of_printed(Eigen::Quaterniond(q[0], q[1], q[2], q[3]), "the quaternion");
-      } catch (const InputError& error) {
-        throw InputError(fmt::format("{}: {}", where, error.what()));
-      }
-      estimate.cam_from_model.translation = {r_m[0], r_m[1], r_m[2]};
+      set_pose({q[0], q[1], q[2], q[3]}, {r_m[0], r_m[1], r_m[2]}, estimate);
       if (!seen.insert(estimate.picture).second) {
         throw InputError(fmt::format("{} names a picture that was named before", where));
       }
@@ -158,6 +149,8 @@ std::vector<BopEstimate> read_estimates(const fs::path& file, const ScoredSet& s
   }
   std::string first;
   std::getline(stream, first);
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (first.starts_with(kByteOrderMark)) first.erase(0, kByteOrderMark.size());
   const bool is_of_bop = !set.is_speed() || first.starts_with("scene_id");
   if (is_of_bop && file.extension() == ".json") {
     throw InputError(fmt::format(

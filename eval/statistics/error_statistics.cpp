@@ -34,10 +34,6 @@ double middle_of_bin(size_t bin) {
   return std::ldexp((1 + part) / 2, static_cast<int>(octave) + kLeastExponent + 1);
 }
 
-Interval95 root_of(const Interval95& squares) {
-  return {std::sqrt(std::max(0.0, squares[0])), std::sqrt(squares[1])};
-}
-
 }  // namespace
 
 void ErrorStatistics::Moments::add(double value) {
@@ -98,6 +94,13 @@ Interval95 ErrorStatistics::quantile_interval(std::span<const double> sorted, do
           high >= errors_.count ? kNoNumber : value_at(sorted, high)};
 }
 
+Measured ErrorStatistics::median() const {
+  if (errors_.count == 0) return {};
+  std::vector<double> sorted = values_;
+  std::sort(sorted.begin(), sorted.end());
+  return {quantile_of(sorted, 0.5), quantile_interval(sorted, 0.5)};
+}
+
 ErrorSummary ErrorStatistics::summary(uint64_t seed, std::string_view stream) const {
   ErrorSummary summary;
   if (errors_.count == 0) return summary;
@@ -105,11 +108,8 @@ ErrorSummary ErrorStatistics::summary(uint64_t seed, std::string_view stream) co
     std::vector<double> capped = values_;
     for (double& error : capped) error = std::min(error, cap_);
     summary.mean_ci95 = bca_mean_interval(capped, seed, stream);
-    for (double& error : capped) error *= error;
-    summary.rms_ci95 = root_of(bca_mean_interval(capped, seed, stream));
   } else {
     summary.mean_ci95 = errors_.mean_interval();
-    summary.rms_ci95 = root_of(squares_.mean_interval());
   }
   std::vector<double> sorted = values_;
   std::sort(sorted.begin(), sorted.end());

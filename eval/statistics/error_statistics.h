@@ -21,7 +21,7 @@ struct ErrorSummary {
   double median = kNone;  ///< a failure counting as infinite: infinite where half or more failed
   Interval95 median_ci95 = kNoInterval;  ///< of order statistics (quantile_ranks)
   double rms = kNone;                    ///< capped as the mean
-  Interval95 rms_ci95 = kNoInterval;     ///< BCa of the mean square
+  Interval95 rms_ci95 = kNoInterval;     ///< none: what of a mean square holds is RmsRatio's matter
   double p90 = kNone;                    ///< as the median
   Interval95 p90_ci95 = kNoInterval;
   int64_t capped = 0;  ///< trials at the cap or beyond, failures among them
@@ -42,6 +42,10 @@ class ErrorStatistics {
   ErrorSummary summary(uint64_t seed, std::string_view stream) const;
   /// The p-th quantile as percentile() has it; NaN of nothing.
   double quantile(double p) const;
+  /// The median and its interval, as summary() has them.
+  Measured median() const;
+  /// The mean of the capped errors; NaN of nothing.
+  double mean() const { return errors_.count > 0 ? errors_.mean : kNoNumber; }
   int64_t count() const { return errors_.count; }
 
  private:
@@ -64,7 +68,7 @@ class ErrorStatistics {
 
   double cap_;
   Moments errors_;   // capped
-  Moments squares_;  // of the capped errors
+  Moments squares_;  // of the capped errors, whose mean alone is asked for
   int64_t capped_ = 0;
   std::vector<double> values_;  // not capped
   std::vector<int64_t> bins_;   // how many are in each, once there are too many values

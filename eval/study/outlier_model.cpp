@@ -24,12 +24,18 @@ std::vector<OutlierModel::Failure> failures_of(const TrialRecord& trial) {
 }
 
 OutlierModel::Failure failure_from(const Json& json, const std::vector<std::string>& features) {
+  const bool has_index = json.is_array() && (json.size() == 1 || json.size() == 3) &&
+                         json[0].is_number_unsigned() && json[0].get<size_t>() < features.size();
+  if (!has_index) {
+    throw InputError(fmt::format("a failure is {}, must be [feature] or [feature, du, dv]",
+                                 json.dump().substr(0, 40)));
+  }
   OutlierModel::Failure failure;
-  failure.feature = features.at(json.at(0).get<size_t>());
+  failure.feature = features[json[0].get<size_t>()];
   failure.is_missing = json.size() == 1;
   if (failure.is_missing) return failure;
-  failure.displacement_px = {json.at(1).get<double>(), json.at(2).get<double>()};
-  if (!failure.displacement_px.allFinite()) throw std::out_of_range("a number that is not finite");
+  const std::vector<double> numbers = finite_numbers(json, "a failure", 3);
+  failure.displacement_px = {numbers[1], numbers[2]};
   return failure;
 }
 
@@ -72,14 +78,15 @@ std::string to_json(const OutlierModel& model, const std::string& study) {
 OutlierModel read_outlier_model(const std::filesystem::path& file) {
   OutlierModel model;
   try {
-    const Json json = read_json(file);
-    const auto features = json.at("features").get<std::vector<std::string>>();
-    for (const Json& row : json.at("trials")) {
-      auto& failures = model.trials.emplace_back();
-      for (const Json& entry : row) failures.push_back(failure_from(entry, features));
-    }
-  } catch (const std::exception& error) {  // of the JSON library, or failure_from's
-    throw InputError(fmt::format("{}: not an outliers.json ({})", file.string(), error.what()));
+    with_json(file, [&model](const Json& json) {
+      const auto features = value_in(json, "features").get<std::vector<std::string>>();
+      for (const Json& row : value_in(json, "trials")) {
+        auto& failures = model.trials.emplace_back();
+        for (const Json& entry : row) failures.push_back(failure_from(entry, features));
+      }
+    });
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{} (it is not an outliers.json)", error.what()));
   }
   if (model.trials.empty()) {
     throw InputError(fmt::format("{}: holds no trials", file.string()));

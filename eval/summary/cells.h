@@ -18,8 +18,11 @@ struct Summary;
 /// How the covariances that a solver reports fit its errors (NEES), over the trials that have one.
 struct NeesSummary {
   int64_t trials = 0;
-  double mean = kNoNumber;  ///< 6 of true covariances, more where they are too small
-  Interval95 mean_ci95 = kNoInterval;
+  /// 6 of true covariances, more where they are too small. It has no interval: where a covariance
+  /// is far too small now and then, a sample's mean does not tell of what it did not meet.
+  double mean = kNoNumber;
+  /// 5.35 of true covariances, with an interval of order statistics.
+  Measured median;
   /// Trials whose error lies in the reported 95 % region (NEES below the 95 % quantile of
   /// chi-squared with 6 degrees of freedom).
   double coverage95 = kNoNumber;
@@ -39,17 +42,24 @@ struct CellSummary : CellErrors {
   /// RMS geodesic error, capped, over the oracle's, on the trials in which the oracle has a pose;
   /// NaN, as the next, where a numeric study applies no noise.
   double ratio_to_oracle = kNoNumber;
+  /// The median over the same trials of the ratio of the two errors, with an interval of order
+  /// statistics, which holds whatever their law: that of an RMS does not (RmsRatio).
+  Measured ratio_to_oracle_median;
+  /// The mean errors, capped, on those trials, and how many they are: those of the oracle itself
+  /// are its errors where it exists, and others' stand beside them.
+  int oracle_trials = 0;
+  double theta_beside_oracle_deg = kNoNumber;
+  double t_beside_oracle_percent = kNoNumber;
   /// RMS geodesic error, capped, over that of the bound, on the trials that have a bound.
   double ratio_to_bound = kNoNumber;
+  Measured ratio_to_bound_median;      ///< as for the oracle
   double false_removals = kNoNumber;   ///< inliers removed, a trial
   double missed_outliers = kNoNumber;  ///< outliers kept, a trial
   /// Trials with a pose in which exactly the outliers were removed.
   double exact_set_rate = kNoNumber;
-  // 95 % intervals: Wilson's of the rates, RmsRatio's of the ratios.
+  // 95 % intervals of the rates, Wilson's.
   Interval95 failure_rate_ci95 = kNoInterval;
   Interval95 exact_set_rate_ci95 = kNoInterval;
-  Interval95 ratio_to_oracle_ci95 = kNoInterval;
-  Interval95 ratio_to_bound_ci95 = kNoInterval;
   NeesSummary nees;       ///< no trials where the solver reports no covariance
   int failed_copies = 0;  ///< of all trials of an orientation study
 

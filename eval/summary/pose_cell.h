@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 
+#include "eval/records/caps.h"
 #include "eval/records/records.h"
 #include "eval/statistics/error_statistics.h"
 #include "eval/statistics/rms_ratio.h"
@@ -36,7 +38,7 @@ class PoseCell {
 
  private:
   void add_pose(const EstimateRecord& estimate);
-  NeesSummary nees_summary(const Study& study) const;
+  NeesSummary nees_summary() const;
 
   int condition_;
   std::string solver_;
@@ -45,8 +47,15 @@ class PoseCell {
   int64_t false_removals_ = 0;
   int64_t missed_outliers_ = 0;
   int64_t exact_ = 0;  // trials in which exactly the outliers were removed
+  bool is_near_lock_ = false;
   RmsRatio to_oracle_;
   RmsRatio to_bound_;
+  // Capped, of the trials in which the oracle has a pose.
+  ErrorStatistics theta_beside_oracle_{kAngleCapDeg};
+  ErrorStatistics t_beside_oracle_{kTranslationCapPercent};
+  // The same of each trial, a failure's being infinite.
+  ErrorStatistics oracle_ratios_{std::numeric_limits<double>::infinity()};
+  ErrorStatistics bound_ratios_{std::numeric_limits<double>::infinity()};
   ErrorStatistics nees_{std::numeric_limits<double>::infinity()};
   int64_t nees_covered_ = 0;
 };

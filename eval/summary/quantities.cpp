@@ -2,13 +2,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/summary/quantities.h"
 
+#include <cmath>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "eval/records/caps.h"
 #include "eval/summary/cells.h"
+#include "pose/attitude.h"
 
 namespace sightline {
 namespace {
@@ -123,6 +126,16 @@ CellErrors CellErrorStatistics::summary(const Study& study, int condition,
         errors_[i].summary(study.seed, bootstrap_stream(study, condition, solver, quantity.name));
   }
   return errors;
+}
+
+bool is_near_gimbal_lock(const Eigen::Matrix3d& rotation) {
+  constexpr double kMostYawRad = std::numbers::pi / 3;
+  return std::abs(attitude_from_rotation(rotation).yaw_rad) > kMostYawRad;
+}
+
+void drop_intervals_of_angles(CellErrors& errors) {
+  errors.theta_error_deg.mean_ci95 = kNoInterval;
+  errors.angle_error_deg.mean_ci95 = kNoInterval;
 }
 
 std::string bootstrap_stream(const Study& study, int condition, std::string_view solver,

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include <Eigen/Core>
+
 #include "eval/records/records.h"
 #include "eval/statistics/error_statistics.h"
 #include "eval/study/study.h"
@@ -73,6 +75,15 @@ class CellErrorStatistics {
  private:
   std::vector<ErrorStatistics> errors_;  // one a quantity
 };
+
+/// Whether the three angles of an attitude say little: its yaw is beyond 60 degrees, where an error
+/// of the rotation moves pitch and roll by more than twice as much, at 90 degrees without bound.
+bool is_near_gimbal_lock(const Eigen::Matrix3d& rotation);
+
+/// Takes from a cell, whose trials come near gimbal lock, the intervals of means of errors of
+/// angles. Their squares have no mean there but for the cap, and a 95 % interval of theta_error's
+/// mean holds 88 % of the time; the median's holds, and so does that of the geodesic angle.
+void drop_intervals_of_angles(CellErrors& errors);
 
 /// The name of the random stream of a number's bootstrap.
 std::string bootstrap_stream(const Study& study, int condition, std::string_view solver,

@@ -3,6 +3,7 @@
 #include "eval/summary/summary.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <string>
 #include <utility>
@@ -158,8 +159,10 @@ struct MethodCell {
   int failures = 0;
   int failed_copies = 0;
   CellErrorStatistics errors;
+  bool is_near_lock = false;
 
   void add(const TrialRecord& trial) {
+    is_near_lock = is_near_lock || is_near_gimbal_lock(trial.true_cam_from_target.rotation);
     for (const OrientationRecord& orientation : trial.orientations()) {
       if (orientation.method != method) continue;
       failures += orientation.failures > 0;
@@ -171,6 +174,7 @@ struct MethodCell {
   CellSummary summary(const Study& study, int condition, int trials) const {
     CellSummary cell;
     cell.set_errors(errors.summary(study, condition, method));
+    if (is_near_lock) drop_intervals_of_angles(cell);
     cell.condition = condition;
     cell.solver = method;
     cell.trials = trials;
@@ -241,7 +245,9 @@ constexpr double kRoundingAlone = 1e-6;
 
 std::optional<int64_t> trials_needed(const CellSummary& cell, double target) {
   std::optional<int64_t> most;
-  for (const ErrorSummary* error : {&cell.theta_error_deg, &cell.t_error_percent}) {
+  const bool has_theta = !std::isnan(cell.theta_error_deg.mean_ci95[0]);
+  const ErrorSummary& angle = has_theta ? cell.theta_error_deg : cell.geodesic_deg;
+  for (const ErrorSummary* error : {&angle, &cell.t_error_percent}) {
     if (error->mean < kRoundingAlone) continue;
     const auto needed = trials_for(target, cell.trials, error->mean, error->mean_ci95);
     if (needed && (!most || *needed > *most)) most = needed;

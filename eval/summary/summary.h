@@ -33,8 +33,8 @@ Summary summarise(const Study& study, const TrialSource& trials);
 Summary summarise(const Study& study, std::span<const TrialRecord> trials);
 
 /// How many trials a relative half-width of `target` of the 95 % intervals of a cell's mean
-/// theta_error and T_error needs (trials_for); none of a cell whose trials say nothing, or err by
-/// rounding alone.
+/// theta_error (near gimbal lock the geodesic angle) and T_error needs (trials_for); none of a cell
+/// whose trials say nothing, or err by rounding alone.
 std::optional<int64_t> trials_needed(const CellSummary& cell, double target);
 
 }  // namespace sightline

@@ -76,9 +76,11 @@ Json nees_json(const NeesSummary& nees) {
   if (nees.trials == 0) return nullptr;
   return {{"trials", nees.trials},
           {"mean", nees.mean},
-          {"mean_ci95", nees.mean_ci95},
+          {"mean_ci95", kNoInterval},
           {"coverage95", nees.coverage95},
-          {"coverage95_ci95", nees.coverage95_ci95}};
+          {"coverage95_ci95", nees.coverage95_ci95},
+          {"median", nees.median.value},
+          {"median_ci95", nees.median.ci95}};
 }
 
 // Those of poses first; what orientations alone have stands at the end of a cell.
@@ -106,9 +108,14 @@ Json cell_json(const Study& study, const CellSummary& cell) {
   json["capped"] = cell.geodesic_deg.capped;
   json["failure_rate_ci95"] = cell.failure_rate_ci95;
   json["exact_set_rate_ci95"] = cell.exact_set_rate_ci95;
-  json["ratio_to_oracle_ci95"] = cell.ratio_to_oracle_ci95;
-  json["ratio_to_bound_ci95"] = cell.ratio_to_bound_ci95;
+  // No interval of these two holds (RmsRatio); those of their medians do.
+  json["ratio_to_oracle_ci95"] = kNoInterval;
+  json["ratio_to_bound_ci95"] = kNoInterval;
   json["nees"] = nees_json(cell.nees);
+  json["ratio_to_oracle_median"] = cell.ratio_to_oracle_median.value;
+  json["ratio_to_oracle_median_ci95"] = cell.ratio_to_oracle_median.ci95;
+  json["ratio_to_bound_median"] = cell.ratio_to_bound_median.value;
+  json["ratio_to_bound_median_ci95"] = cell.ratio_to_bound_median.ci95;
   if (is_orientation) {
     json["copies"] = study.orientation()->pairs.copies;
     json["failed_copies"] = cell.failed_copies;

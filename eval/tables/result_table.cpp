@@ -212,6 +212,49 @@ std::string sweep_of_nuisances(const Study& study, const Summary& summary) {
          impact_block(study, summary);
 }
 
+// Where the oracle fails now and then, which counts as the cap, its mean says little beside
+// others': the means of all solvers over the trials in which it has a pose.
+std::string beside_oracle(const Study& study, const Summary& summary) {
+  int failures = 0;
+  int trials = 0;
+  for (const CellSummary* cell : cells_of(summary, "oracle")) {
+    failures += cell->failures;
+    trials += cell->oracle_trials;
+  }
+  if (failures == 0 || trials == 0) return "";
+  Texts means;
+  for (const std::string& solver : study.solver_names()) {
+    double theta = 0;
+    double t = 0;
+    for (const CellSummary* cell : cells_of(summary, solver)) {
+      if (cell->oracle_trials == 0) continue;
+      theta += cell->theta_beside_oracle_deg * cell->oracle_trials;
+      t += cell->t_beside_oracle_percent * cell->oracle_trials;
+    }
+    means.push_back(fmt::format("{} {}, {}", solver, number_text(theta / trials, 2),
+                                number_text(t / trials, 3)));
+  }
+  return "\n" +
+         wrapped(fmt::format(
+             "The oracle has no pose in {} trials: fewer than three points are right. In the "
+             "other {} the mean theta_error / ° and T_error / % are: {}.",
+             failures, trials, fmt::join(means, "; ")));
+}
+
+// Why there are no intervals of theta_error's means.
+std::string lock_line(const Summary& summary) {
+  const bool is_near =
+      std::any_of(summary.cells.begin(), summary.cells.end(), [](const CellSummary& cell) {
+        const ErrorSummary& theta = cell.theta_error_deg;
+        return cell.trials > 1 && std::isfinite(theta.mean) && std::isnan(theta.mean_ci95[0]);
+      });
+  if (!is_near) return "";
+  return "\n" +
+         wrapped(
+             "theta_error's means have no interval where attitudes come near gimbal lock (yaw "
+             "beyond 60 degrees): none would hold. Judge by the geodesic angle.");
+}
+
 std::string failure_lines(const Study& study, const Summary& summary) {
   std::string lines;
   for (const std::string& solver : study.solver_names()) {
@@ -245,15 +288,16 @@ std::string to_table(const Study& study, const Summary& summary) {
   const std::string warning =
       repeats.empty() ? "" : fmt::format("\n{}", wrapped("warning: " + repeats));
   if (study.images() == nullptr) {
-    return head(study, summary) + sweep_blocks(study, summary) + failure_lines(study, summary) +
-           warning;
+    return head(study, summary) + beside_oracle(study, summary) + sweep_blocks(study, summary) +
+           lock_line(summary) + failure_lines(study, summary) + warning;
   }
-  std::string text = head(study, summary) + pose_block(study);
+  std::string text = head(study, summary) + pose_block(study) + beside_oracle(study, summary);
   for (const Quantity& error : quantities()) {
     if (error.paper != nullptr) text += error_block(study, summary, error);
   }
   return text + solver_block(study, summary) + extraction_block(study, summary) +
-         sweep_of_nuisances(study, summary) + failure_lines(study, summary) + warning;
+         sweep_of_nuisances(study, summary) + lock_line(summary) + failure_lines(study, summary) +
+         warning;
 }
 
 }  // namespace sightline

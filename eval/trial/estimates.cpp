@@ -93,6 +93,23 @@ std::vector<std::string> features_of(const FoundPoints& found, const TrialRecord
   return features;
 }
 
+bool has_symmetries(const FoundPoints& found) {
+  return found.symmetries != nullptr && found.symmetries->has_any();
+}
+
+// The true pose or, of a target with symmetries, the one of those that look alike that is nearest
+// to the estimate.
+Pose nearest_truth(const PoseStudy& study, const FoundPoints& found, const Pose& estimated,
+                   const Pose& truth) {
+  if (!has_symmetries(found)) return truth;
+  Pose nearest =
+      nearest_alike(vertices_of(study.target->mesh), estimated, truth, found.symmetries->poses);
+  for (const SymmetryAxis& axis : found.symmetries->axes) {
+    nearest = turned_towards(estimated, nearest, axis.direction, axis.point);
+  }
+  return nearest;
+}
+
 EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const std::string& name,
                      const FoundPoints& found, const std::vector<std::string>& features,
                      const TrialRecord& record) {
@@ -111,7 +128,7 @@ EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const st
   if (!out.is_ok()) return out;
 
   const Pose& pose = estimate.cam_from_target;
-  const Pose& truth = record.true_cam_from_target;
+  const Pose truth = nearest_truth(study, found, pose, record.true_cam_from_target);
   out.cam_from_target = pose;
   out.theta_error_deg = attitude_error_rad(pose.rotation, truth.rotation) / kDegree;
   out.t_error_percent = 100 * translation_error_fraction(pose.translation, truth.translation);
@@ -122,6 +139,10 @@ EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const st
   out.add_m = errors.add;
   out.mssd_m = errors.mssd;
   out.mspd_px = errors.mspd_px;
+  if (has_symmetries(found)) {
+    out.mspd_px = least_mspd_px(vertices_of(study.target->mesh), problem.camera, pose,
+                                record.true_cam_from_target, found.symmetries->poses);
+  }
   judge_removals(record, found, estimate, out);
   out.covariance = reported_covariance(problem, estimate);
   if (out.covariance) out.nees = nees_of(pose, truth, *out.covariance);

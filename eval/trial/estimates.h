@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "eval/datasets/symmetries.h"
 #include "eval/records/records.h"
 #include "eval/study/study.h"
 
@@ -15,6 +16,8 @@ struct FoundPoints {
   PoseProblem problem;
   std::vector<int> slots;  ///< point -> index into the trial's observations
   TrialName trial;
+  /// Of the target, which the true pose is known up to; null: it has none.
+  const Symmetries* symmetries = nullptr;
 };
 
 /// What each solver of the study makes of the points, against the truth in the trial's record. Only

@@ -20,6 +20,7 @@ namespace {
 FoundPoints found_points(const ImageStudy& study, const Trial& trial, const Pose& looked_around) {
   FoundPoints found;
   found.trial = study.name_of(trial.record.trial);
+  if (study.sighted) found.symmetries = &study.sighted->set->symmetries;
   PoseProblem& problem = found.problem;
   problem.camera = trial.scene.camera;
   if (study.solving.start == Start::kPrior) {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -21,14 +22,16 @@ struct Engine {
   const char* index;
   const char* count;      // null: the engine tells none
   const char* min_index;  // subtracted from the index; null: 0
+  const char* max_index;  // null: the engine tells none
 };
 
 constexpr std::array kEngines = {
-    Engine{"Open MPI", "OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", nullptr},
-    Engine{"PMI", "PMI_RANK", "PMI_SIZE", nullptr},
-    Engine{"Slurm array", "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN"},
-    Engine{"Slurm step", "SLURM_PROCID", "SLURM_STEP_NUM_TASKS", nullptr},
-    Engine{"Kubernetes indexed Job", "JOB_COMPLETION_INDEX", nullptr, nullptr},
+    Engine{"Open MPI", "OMPI_COMM_WORLD_RANK", "OMPI_COMM_WORLD_SIZE", nullptr, nullptr},
+    Engine{"PMI", "PMI_RANK", "PMI_SIZE", nullptr, nullptr},
+    Engine{"Slurm array", "SLURM_ARRAY_TASK_ID", "SLURM_ARRAY_TASK_COUNT", "SLURM_ARRAY_TASK_MIN",
+           "SLURM_ARRAY_TASK_MAX"},
+    Engine{"Slurm step", "SLURM_PROCID", "SLURM_STEP_NUM_TASKS", nullptr, nullptr},
+    Engine{"Kubernetes indexed Job", "JOB_COMPLETION_INDEX", nullptr, nullptr, nullptr},
 };
 
 std::optional<int> whole_number(std::string_view text) {
@@ -51,6 +54,26 @@ ShardChoice checked(const std::string& text, const std::string& source, int inde
   return {{index, count}, source};
 }
 
+// The ids of an array name its shards only where it has them all. One with gaps (--array=1,3,5),
+// and a part of one that is submitted again (--array=2), has its tasks' ids, but not which N they
+// were of: to count them from 0 would do other trials than before.
+void require_whole_array(const std::string& text, const Engine& engine,
+                         std::optional<int> given_count, const Environment& environment) {
+  const std::optional<int> last = variable(environment, engine.max_index);
+  const std::optional<int> tasks = variable(environment, engine.count);
+  if (!last || !tasks) return;
+  const int first = variable(environment, engine.min_index).value_or(0);
+  const bool has_gaps = *last - first + 1 != *tasks;
+  const bool may_be_part = *tasks == 1 && first > 0;
+  const bool is_part = given_count && *given_count != *tasks;
+  if (!has_gaps && !may_be_part && !is_part) return;
+  throw InputError(fmt::format(
+      "--shard {}: the {} has {} of the ids {} to {}, which do not say which shards they are; give "
+      "I/N with the N of the whole array, such as --shard ${{SLURM_ARRAY_TASK_ID}}/N where its ids "
+      "are 0 to N - 1",
+      text, engine.name, *tasks, first, *last));
+}
+
 ShardChoice from_engine(const std::string& text, std::optional<int> given_count,
                         const Environment& environment) {
   for (const Engine& engine : kEngines) {
@@ -63,6 +86,7 @@ ShardChoice from_engine(const std::string& text, std::optional<int> given_count,
           fmt::format("--shard {}: {} tells no count; give --shard auto/N", text, engine.name));
     }
     const int first = variable(environment, engine.min_index).value_or(0);
+    require_whole_array(text, engine, given_count, environment);
     return checked(text, engine.name, *index - first, *count);
   }
   throw InputError(fmt::format(

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,11 @@ std::string size_problem(int64_t width, int64_t height, int64_t bytes_a_pixel);
 
 /// What is said of a file that ends too early or is damaged.
 inline constexpr const char* kTornPicture = "is torn or damaged";
+
+// The size that the head of the file states; none where it has no whole head.
+std::optional<cv::Size> png_size(std::string_view bytes);
+std::optional<cv::Size> jpeg_size(std::string_view bytes);
+std::optional<cv::Size> tiff_size(std::string_view bytes);
 
 PictureReading decode_png(std::string_view bytes, PictureChannels channels);
 PictureReading decode_jpeg(std::string_view bytes, PictureChannels channels);

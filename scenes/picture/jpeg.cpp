@@ -85,6 +85,16 @@ int exif_orientation(std::string_view jpeg) {
   return 1;
 }
 
+std::optional<cv::Size> jpeg_size(std::string_view bytes) {
+  const Turbo turbo = made(tjInitDecompress());
+  int width = 0, height = 0, subsampling = 0, colours = 0;
+  if (tjDecompressHeader3(turbo.get(), unsigned_bytes(bytes), bytes.size(), &width, &height,
+                          &subsampling, &colours) != 0) {
+    return std::nullopt;
+  }
+  return cv::Size(width, height);
+}
+
 PictureReading decode_jpeg(std::string_view bytes, PictureChannels channels) {
   const Turbo turbo = made(tjInitDecompress());
   int width = 0, height = 0, subsampling = 0, colours = 0;

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -48,6 +49,38 @@ PictureReading grey_of(PictureReading reading) {
   return {as_grey_of_8_bits(reading.pixels), {}};
 }
 
+enum class PictureFormat { kPng, kJpeg, kTiff, kOther };
+
+PictureFormat format_of(std::string_view bytes) {
+  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return PictureFormat::kPng;
+  if (bytes.starts_with("\xff\xd8\xff")) return PictureFormat::kJpeg;
+  const std::string_view head = bytes.substr(0, 4);
+  const bool is_tiff = head == std::string_view("II*\0", 4) || head == std::string_view("MM\0*", 4);
+  return is_tiff ? PictureFormat::kTiff : PictureFormat::kOther;
+}
+
+struct FileBytes {
+  std::string bytes;
+  std::string problem;
+};
+
+FileBytes bytes_of(const fs::path& file) {
+  std::error_code error;
+  const fs::file_status status = fs::status(file, error);
+  if (!fs::exists(status)) return {{}, "is not there"};
+  if (!fs::is_regular_file(status)) return {{}, "is no file"};
+  const uintmax_t size = fs::file_size(file, error);
+  if (error) return {{}, "cannot be read: " + error.message()};
+  if (size > static_cast<uintmax_t>(kMaxPictureBytes)) {
+    return {{}, fmt::format("has {} MB, must be at most {}", size >> 20, kMaxPictureBytes >> 20)};
+  }
+  std::string bytes(size, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (!stream) return {{}, "cannot be read"};
+  return {std::move(bytes), {}};
+}
+
 }  // namespace
 
 std::string size_problem(int64_t width, int64_t height, int64_t bytes_a_pixel) {
@@ -65,37 +98,45 @@ std::string size_problem(int64_t width, int64_t height, int64_t bytes_a_pixel) {
 }
 
 PictureReading decode_picture(std::string_view bytes, PictureChannels channels) {
-  if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return decode_png(bytes, channels);
-  if (bytes.starts_with("\xff\xd8\xff")) {
-    PictureReading reading = decode_jpeg(bytes, channels);
-    if (channels == PictureChannels::kGrey && !reading.pixels.empty()) {
-      reading.pixels = turned_upright(reading.pixels, exif_orientation(bytes));
-    }
-    return reading;
-  }
-  const std::string_view head = bytes.substr(0, 4);
-  if (head == std::string_view("II*\0", 4) || head == std::string_view("MM\0*", 4)) {
-    const PictureReading reading = decode_tiff(bytes);
-    return channels == PictureChannels::kGrey ? grey_of(reading) : reading;
+  const bool is_grey = channels == PictureChannels::kGrey;
+  PictureReading reading;
+  switch (format_of(bytes)) {
+    case PictureFormat::kPng:
+      return decode_png(bytes, channels);
+    case PictureFormat::kJpeg:
+      reading = decode_jpeg(bytes, channels);
+      if (is_grey && !reading.pixels.empty()) {
+        reading.pixels = turned_upright(reading.pixels, exif_orientation(bytes));
+      }
+      return reading;
+    case PictureFormat::kTiff:
+      reading = decode_tiff(bytes);
+      return is_grey ? grey_of(reading) : reading;
+    case PictureFormat::kOther:
+      break;
   }
   return {{}, "is no PNG, JPEG or TIFF"};
 }
 
 PictureReading read_picture_file(const fs::path& file, PictureChannels channels) {
-  std::error_code error;
-  const fs::file_status status = fs::status(file, error);
-  if (!fs::exists(status)) return {{}, "is not there"};
-  if (!fs::is_regular_file(status)) return {{}, "is no file"};
-  const uintmax_t size = fs::file_size(file, error);
-  if (error) return {{}, "cannot be read: " + error.message()};
-  if (size > static_cast<uintmax_t>(kMaxPictureBytes)) {
-    return {{}, fmt::format("has {} MB, must be at most {}", size >> 20, kMaxPictureBytes >> 20)};
-  }
-  std::string bytes(size, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (!stream) return {{}, "cannot be read"};
+  const auto [bytes, problem] = bytes_of(file);
+  if (!problem.empty()) return {{}, problem};
   return decode_picture(bytes, channels);
+}
+
+std::optional<cv::Size> picture_size(const fs::path& file) {
+  const std::string bytes = bytes_of(file).bytes;
+  switch (format_of(bytes)) {
+    case PictureFormat::kPng:
+      return png_size(bytes);
+    case PictureFormat::kJpeg:
+      return jpeg_size(bytes);
+    case PictureFormat::kTiff:
+      return tiff_size(bytes);
+    case PictureFormat::kOther:
+      break;
+  }
+  return std::nullopt;
 }
 
 }  // namespace sightline

@@ -7,10 +7,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 
 namespace sightline {
 
@@ -38,6 +40,10 @@ PictureReading decode_picture(std::string_view bytes,
 /// The same of a file, which must be a regular one (or a link to one).
 PictureReading read_picture_file(const std::filesystem::path& file,
                                  PictureChannels channels = PictureChannels::kAsStored);
+
+/// The size that a file states, before anything of it is decoded; none where there is no such file,
+/// or no picture in it.
+std::optional<cv::Size> picture_size(const std::filesystem::path& file);
 
 /// How long may be sought for what takes fewer bytes.
 enum class PngEffort { kFast, kSmall };

@@ -152,6 +152,12 @@ bool write_png(png_structp png, png_infop info, const cv::Mat& picture, uint8_t*
 
 }  // namespace
 
+std::optional<cv::Size> png_size(std::string_view bytes) {
+  PngReader reader(bytes);
+  if (!reader.read_head()) return std::nullopt;
+  return cv::Size(reader.width(), reader.height());
+}
+
 PictureReading decode_png(std::string_view bytes, PictureChannels channels) {
   const bool is_grey = channels == PictureChannels::kGrey;
   PngReader reader(bytes);

@@ -94,6 +94,15 @@ PictureReading read_converted(TIFF* tiff, const TiffLayout& layout) {
 
 }  // namespace
 
+std::optional<cv::Size> tiff_size(std::string_view bytes) {
+  std::istringstream stream{std::string(bytes), std::ios::binary};
+  const Tiff tiff(TIFFStreamOpen("picture", static_cast<std::istream*>(&stream)));
+  if (tiff == nullptr) return std::nullopt;
+  const TiffLayout layout = layout_of(tiff.get());
+  if (layout.width > INT32_MAX || layout.height > INT32_MAX) return std::nullopt;
+  return cv::Size(static_cast<int>(layout.width), static_cast<int>(layout.height));
+}
+
 PictureReading decode_tiff(std::string_view bytes) {
   std::istringstream stream{std::string(bytes), std::ios::binary};
   const Tiff tiff(TIFFStreamOpen("picture", static_cast<std::istream*>(&stream)));

@@ -20,6 +20,8 @@ inline constexpr double kLeastVisibleFraction = 0.1;
 // Files of a set.
 inline constexpr std::string_view kCameraFile = "camera.json";
 inline constexpr std::string_view kTargetsFile = "test_targets_bop19.json";
+/// The list of the detection task, of 2024 and later: of a set without the other it is the list.
+inline constexpr std::string_view kDetectionTargetsFile = "test_targets_bop24.json";
 inline constexpr std::string_view kModelsFolder = "models";
 /// The models that errors are computed with; a set may lack them, then it is kModelsFolder.
 inline constexpr std::string_view kEvaluatedModelsFolder = "models_eval";

@@ -3,96 +3,41 @@
 #include "eval/datasets/bop/read.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <numbers>
+#include <array>
 #include <set>
+#include <utility>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <opencv2/core.hpp>
 
 #include "eval/datasets/bop/layout.h"
+#include "eval/datasets/bop/numbered.h"
 #include "eval/datasets/conventions.h"
-#include "eval/datasets/model_file.h"
-#include "eval/datasets/pictures.h"
 #include "eval/output/json.h"
 #include "scenes/files/input_error.h"
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSymmetryStep = 0.01;  // of the diameter
-
-using RowWise4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
-
-int whole_number(const std::string& text) {
-  int value = -1;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error == std::errc() && end == text.data() + text.size() && value >= 0) return value;
-  throw InputError(fmt::format("'{}' is no id", text));
-}
-
-std::vector<Pose> discrete_symmetries(const Json& info) {
-  std::vector<Pose> poses{Pose{}};
-  if (!info.contains("symmetries_discrete")) return poses;
-  for (const Json& symmetry : info["symmetries_discrete"]) {
-    const auto values = symmetry.get<std::vector<double>>();
-    if (values.size() != 16) throw InputError("symmetries_discrete must have 16 numbers each");
-    const RowWise4 matrix = Eigen::Map<const RowWise4>(values.data());
-    poses.push_back({matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>()});
+// What a folder that has no scenes seems to be, where we know its format and do not read it.
+std::string other_format(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const std::string form =
+        name == "key_to_shard.json" || (name.starts_with("shard-") && name.ends_with(".tar"))
+            ? "webdataset"
+        : name.ends_with(".gt.json") ? "imagewise"
+                                     : "";
+    if (form.empty()) continue;
+    return fmt::format(
+        "; it is in BOP's {} format, of which the toolkit makes the scenewise one "
+        "that is read here",
+        form);
   }
-  return poses;
-}
-
-std::vector<Pose> continuous_symmetries(const Json& info) {
-  std::vector<Pose> poses;
-  if (!info.contains("symmetries_continuous")) return poses;
-  const int steps = static_cast<int>(std::ceil(std::numbers::pi / kSymmetryStep));
-  for (const Json& symmetry : info["symmetries_continuous"]) {
-    const Eigen::Vector3d axis(numbers_in(symmetry, "axis", 3).data());
-    const Eigen::Vector3d offset(numbers_in(symmetry, "offset", 3).data());
-    if (axis.isZero()) throw InputError("symmetries_continuous has an axis of no length");
-    for (int i = 0; i < steps; ++i) {
-      const double angle_rad = 2 * std::numbers::pi * i / steps;
-      const Eigen::Matrix3d rotation = rotation_from_vector(angle_rad * axis.normalized());
-      poses.push_back({rotation, offset - rotation * offset});
-    }
-  }
-  return poses;
-}
-
-std::vector<Pose> symmetries_of(const Json& info) {
-  const std::vector<Pose> discrete = discrete_symmetries(info);
-  const std::vector<Pose> continuous = continuous_symmetries(info);
-  if (continuous.empty()) return discrete;
-  std::vector<Pose> poses;
-  for (const Pose& jump : discrete) {
-    for (const Pose& turn : continuous) poses.push_back(turn * jump);
-  }
-  return poses;
-}
-
-std::map<int, BopModel> read_models(const fs::path& folder) {
-  std::map<int, BopModel> models;
-  with_json(folder / bop::kModelsInfoFile, [&](const Json& infos) {
-    for (const auto& [key, info] : infos.items()) {
-      BopModel& model = models[whole_number(key)];
-      model.diameter_mm = info.at("diameter").get<double>();
-      if (!(model.diameter_mm > 0)) throw InputError(fmt::format("{}: diameter must be > 0", key));
-      model.symmetries = symmetries_of(info);
-    }
-  });
-  for (auto& [id, model] : models) {
-    model.mesh_mm = read_ply_as_it_is(folder / bop::model_file(id));
-    model.points_mm.resize(3, static_cast<Eigen::Index>(model.mesh_mm.vertices.size()));
-    for (size_t i = 0; i < model.mesh_mm.vertices.size(); ++i) {
-      model.points_mm.col(static_cast<Eigen::Index>(i)) = model.mesh_mm.vertices[i];
-    }
-  }
-  return models;
+  return "";
 }
 
 fs::path split_folder(const fs::path& folder, const std::string& split) {
@@ -106,24 +51,53 @@ fs::path split_folder(const fs::path& folder, const std::string& split) {
     }
   }
   if (found.size() == 1) return found.front();
+  const std::string form = other_format(folder);
+  if (!form.empty()) throw InputError(fmt::format("{}: has no scenes{}", folder.string(), form));
   throw InputError(fmt::format("{}: is no folder{}", named.string(),
                                split.empty() ? "; say --split which one is meant" : ""));
 }
 
 using ImageId = std::pair<int, int>;  // scene, image
+// How many instances of an object an image asks for; no objects: all that are visible.
 using Targets = std::map<ImageId, std::map<int, int>>;
+
+// A list of targets, or none.
+struct TargetList {
+  fs::path file;
+  Targets targets;
+  bool is_there() const { return !file.empty(); }
+};
 
 Targets read_targets(const fs::path& file) {
   Targets targets;
   with_json(file, [&](const Json& list) {
+    if (!list.is_array()) throw InputError("must be a list of targets");
     for (const Json& target : list) {
-      const int count = target.at("inst_count").get<int>();
+      auto& objects = targets[{whole_in(target, "scene_id"), whole_in(target, "im_id")}];
+      if (!target.contains("obj_id")) continue;
+      const int count = target.contains("inst_count") ? whole_in(target, "inst_count") : 1;
       if (count < 1) throw InputError("inst_count must be 1 or more");
-      const ImageId image{target.at("scene_id").get<int>(), target.at("im_id").get<int>()};
-      targets[image][target.at("obj_id").get<int>()] = count;
+      objects[whole_in(target, "obj_id")] = count;
     }
   });
   return targets;
+}
+
+// The list of targets of a split, which is the test's alone; a note where there are two.
+TargetList find_targets(const fs::path& folder, const fs::path& split,
+                        std::vector<std::string>& notes) {
+  if (!split.lexically_relative(folder).string().starts_with(bop::kTestSplit)) return {};
+  const bool has_newer = fs::exists(folder / bop::kDetectionTargetsFile);
+  if (fs::exists(folder / bop::kTargetsFile)) {
+    if (has_newer) {
+      notes.push_back(fmt::format("{}: is not used, since there is {}",
+                                  (folder / bop::kDetectionTargetsFile).string(),
+                                  bop::kTargetsFile));
+    }
+    return {folder / bop::kTargetsFile, read_targets(folder / bop::kTargetsFile)};
+  }
+  if (!has_newer) return {};
+  return {folder / bop::kDetectionTargetsFile, read_targets(folder / bop::kDetectionTargetsFile)};
 }
 
 std::set<int> scenes_in(const fs::path& split) {
@@ -136,14 +110,57 @@ std::set<int> scenes_in(const fs::path& split) {
   return scenes;
 }
 
+// A note where camera.json states a lens, which BOP's format has no place for.
+void note_lens(const fs::path& folder, std::vector<std::string>& notes) {
+  constexpr std::array kLens = {"distortion", "dist", "dist_coeffs", "distCoeffs", "k1"};
+  const fs::path file = folder / bop::kCameraFile;
+  if (!fs::exists(file)) return;
+  with_json(file, [&](const Json& camera) {
+    const std::string key = first_key_in(camera, kLens);
+    if (!camera.is_object() || !camera.contains(key)) return;
+    notes.push_back(
+        fmt::format("{}: its {} is not used; an evaluation takes a lens by --set "
+                    "camera.distortion",
+                    file.string(), key));
+  });
+}
+
+// The width of an image by the header of its picture; 0 where there is none that tells.
 int width_of(const BopImage& image) {
   for (const std::string_view kind : {bop::kColourFolder, bop::kGreyFolder, bop::kDepthFolder}) {
-    const fs::path file = bop_picture(image.folder / kind, bop::image_name(image.im_id));
-    const cv::Mat picture = file.empty() ? cv::Mat() : read_picture(file);
-    if (!picture.empty()) return picture.cols;
+    const auto size = picture_size(numbered_picture(image.folder / kind, {image.im_id}));
+    if (size) return size->width;
   }
-  throw InputError(fmt::format("{}: has no image {}, nor the set a {}, to tell the width",
-                               image.folder.string(), image.im_id, bop::kCameraFile));
+  return 0;
+}
+
+// Gives every image its width, which MSPD's thresholds are of: its own picture's, else that of the
+// pictures beside it, else what camera.json says. Of a set that is no longer that of its
+// camera.json (it was cropped, or scaled) the pictures count.
+void set_widths(const fs::path& folder, BopDataset& dataset) {
+  const fs::path camera_file = folder / bop::kCameraFile;
+  int stated = 0;
+  if (fs::exists(camera_file)) {
+    with_json(camera_file, [&](const Json& camera) {
+      if (camera.contains("width")) stated = whole_in(camera, "width");
+    });
+  }
+  int last = 0;
+  for (BopImage& image : dataset.images) {
+    image.width_px = width_of(image);
+    if (image.width_px > 0) last = image.width_px;
+  }
+  for (BopImage& image : dataset.images) {
+    if (image.width_px == 0) image.width_px = last > 0 ? last : stated;
+    if (image.width_px > 0) continue;
+    throw InputError(fmt::format("{}: has no image {}, nor the set a {}, to tell the width",
+                                 image.folder.string(), image.im_id, bop::kCameraFile));
+  }
+  if (stated > 0 && last > 0 && stated != last) {
+    dataset.notes.push_back(
+        fmt::format("{}: says that images are {} px wide, they are {}: that counts",
+                    camera_file.string(), stated, last));
+  }
 }
 
 // One scene's folder and what is to be read of it.
@@ -162,37 +179,80 @@ class SceneReader {
 
  private:
   void add_truth(const Json& json) {
-    for (const auto& [key, entries] : json.items()) {
-      BopImage& image = images_[whole_number(key)];
+    const NumberedEntries truths(json);
+    for (const auto& [im_id, entries] : truths.all()) {
+      BopImage& image = images_[im_id];
       image.folder = folder_;
       image.scene_id = scene_id_;
-      image.im_id = whole_number(key);
-      for (const Json& entry : entries) {
-        BopInstance instance{.obj_id = entry.at("obj_id").get<int>(), .cam_from_model = {}};
-        instance.cam_from_model.rotation = matrix_from_rows(numbers_in(entry, "cam_R_m2c", 9));
-        instance.cam_from_model.translation =
-            Eigen::Map<const Eigen::Vector3d>(numbers_in(entry, "cam_t_m2c", 3).data());
-        image.instances.push_back(instance);
-      }
+      image.im_id = im_id;
+      for (const Json& entry : *entries) image.instances.push_back(instance_of(entry));
     }
   }
 
   void add_cameras(const Json& json) {
+    const NumberedEntries cameras(json);
     for (auto& [im_id, image] : images_) {
-      const Json& camera = json.at(fmt::to_string(im_id));
-      image.k = matrix_from_rows(numbers_in(camera, "cam_K", 9));
-      image.depth_scale = camera.value("depth_scale", 1.0);
-      image.depth_file = bop_picture(folder_ / bop::kDepthFolder, bop::image_name(im_id));
+      const Json* const camera = cameras.find(im_id);
+      if (camera == nullptr) {
+        throw InputError(fmt::format("has no image {}, which {} has", im_id, bop::kSceneTruthFile));
+      }
+      image.k = matrix_of(*camera, im_id);
+      if (camera->contains("depth_scale")) image.depth_scale = number_in(*camera, "depth_scale");
+      image.depth_file = numbered_picture(folder_ / bop::kDepthFolder, {im_id});
     }
   }
 
+  // What it does not tell of counts as wholly visible.
   void add_info(const Json& json) {
+    const NumberedEntries all_infos(json);
     for (auto& [im_id, image] : images_) {
-      const Json& infos = json.at(fmt::to_string(im_id));
+      const Json* const infos = all_infos.find(im_id);
+      if (infos == nullptr) continue;
+      if (!infos->is_array() || infos->size() < image.instances.size()) {
+        throw InputError(fmt::format("tells of {} instances in image {}, of which {} has {}",
+                                     infos->size(), im_id, bop::kSceneTruthFile,
+                                     image.instances.size()));
+      }
       for (size_t i = 0; i < image.instances.size(); ++i) {
-        image.instances[i].visible_fraction = infos.at(i).at("visib_fract").get<double>();
+        image.instances[i].visible_fraction = number_in(infos->at(i), "visib_fract");
       }
     }
+  }
+
+  // The camera's matrix or, as sets of 2024 have it, that of its model where it is a pinhole.
+  static Eigen::Matrix3d matrix_of(const Json& camera, int im_id) {
+    if (!camera.is_object() || !camera.contains("cam_model")) {
+      return matrix_from_rows(numbers_in(camera, "cam_K", 9));
+    }
+    const Json& model = camera["cam_model"];
+    const std::string type = text_in(model, "projection_model_type");
+    if (!type.ends_with("PINHOLE") && !type.ends_with("LINEAR")) {
+      throw InputError(
+          fmt::format("image {}: its cam_model is {}, must be a pinhole: remove the "
+                      "lens from the pictures first",
+                      im_id, type));
+    }
+    const Json& params = value_in(model, "projection_params");
+    const bool has_one_focus = params.is_array() && params.size() == 3;
+    auto p = finite_numbers(params, "projection_params", has_one_focus ? 3 : 4);
+    if (has_one_focus) p.insert(p.begin(), p.front());
+    Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
+    k(0, 0) = p[0];
+    k(1, 1) = p[1];
+    k(0, 2) = p[2];
+    k(1, 2) = p[3];
+    return k;
+  }
+
+  static BopInstance instance_of(const Json& entry) {
+    BopInstance instance{.obj_id = whole_in(entry, "obj_id"), .cam_from_model = {}};
+    const auto rotation =
+        usable_rotation(matrix_from_rows(numbers_or_nan_in(entry, "cam_R_m2c", 9)));
+    const auto t = numbers_or_nan_in(entry, "cam_t_m2c", 3);
+    const Eigen::Vector3d translation(t[0], t[1], t[2]);
+    instance.has_pose = rotation && translation.allFinite();
+    if (instance.has_pose) instance.cam_from_model = {*rotation, translation};
+    return instance;
   }
 
   fs::path folder_;
@@ -208,44 +268,40 @@ std::map<int, int> visible_objects(const BopImage& image) {
   return counts;
 }
 
-void require_instances(const BopImage& image) {
+void require_instances(const BopImage& image, const fs::path& list) {
   for (const auto& [obj_id, count] : image.targets) {
     const auto there = std::count_if(image.instances.begin(), image.instances.end(),
                                      [id = obj_id](const auto& i) { return i.obj_id == id; });
     if (there >= count) continue;
     throw InputError(fmt::format("{}: asks for {} of object {} in scene {} image {}, which has {}",
-                                 bop::kTargetsFile, count, obj_id, image.scene_id, image.im_id,
-                                 there));
+                                 list.string(), count, obj_id, image.scene_id, image.im_id, there));
   }
 }
 
-void require_models(const BopImage& image, const std::map<int, BopModel>& models) {
-  for (const auto& [obj_id, count] : image.targets) {
-    if (models.contains(obj_id)) continue;
-    throw InputError(fmt::format("{}: has no object {}, which scene {} image {} has",
-                                 bop::kModelsInfoFile, obj_id, image.scene_id, image.im_id));
+void require_all_asked(const TargetList& list, const std::vector<BopImage>& images) {
+  std::set<ImageId> there;
+  for (const BopImage& image : images) there.insert({image.scene_id, image.im_id});
+  for (const auto& [image, objects] : list.targets) {
+    if (there.contains(image)) continue;
+    throw InputError(fmt::format("{}: asks for scene {} image {}, which {} has not",
+                                 list.file.string(), image.first, image.second,
+                                 bop::kSceneTruthFile));
   }
-}
-
-fs::path models_folder(const fs::path& folder) {
-  const fs::path evaluated = folder / bop::kEvaluatedModelsFolder;
-  return fs::exists(evaluated) ? evaluated : folder / bop::kModelsFolder;
 }
 
 }  // namespace
 
-fs::path bop_picture(const fs::path& folder, const std::string& name) {
-  for (const char* extension : {"png", "jpg", "jpeg", "tif", "tiff", "bmp"}) {
-    fs::path file = folder / (name + "." + extension);
-    if (fs::exists(file)) return file;
-  }
-  return {};
+fs::path bop_picture(const BopImage& image) {
+  const fs::path colour = numbered_picture(image.folder / bop::kColourFolder, {image.im_id});
+  if (!colour.empty()) return colour;
+  return numbered_picture(image.folder / bop::kGreyFolder, {image.im_id});
 }
 
-fs::path bop_picture(const BopImage& image) {
-  const std::string name = bop::image_name(image.im_id);
-  const fs::path colour = bop_picture(image.folder / bop::kColourFolder, name);
-  return colour.empty() ? bop_picture(image.folder / bop::kGreyFolder, name) : colour;
+fs::path missing_bop_picture(const BopImage& image) {
+  const bool is_grey = !fs::is_directory(image.folder / bop::kColourFolder) &&
+                       fs::is_directory(image.folder / bop::kGreyFolder);
+  return image.folder / (is_grey ? bop::kGreyFolder : bop::kColourFolder) /
+         (bop::image_name(image.im_id) + ".png");
 }
 
 std::vector<int> asked_instances(const BopImage& image, int obj_id) {
@@ -262,81 +318,47 @@ std::vector<int> asked_instances(const BopImage& image, int obj_id) {
   return instances;
 }
 
-std::vector<Pose> bop_symmetries(const std::string& info) {
-  return symmetries_of(Json::parse(info));
-}
-
-std::optional<BopBox> bop_model_box(const fs::path& folder, int obj_id) {
-  const fs::path models = models_folder(folder);
-  const fs::path infos_file = models / bop::kModelsInfoFile;
-  std::optional<BopBox> box;
-  if (fs::exists(infos_file)) {
-    with_json(infos_file, [&](const Json& infos) {
-      const auto info = infos.find(fmt::to_string(obj_id));
-      if (info == infos.end() || !info->contains("min_x")) return;
-      const auto vector = [&info](const std::string& name) {
-        return Eigen::Vector3d(info->at(name + "_x"), info->at(name + "_y"), info->at(name + "_z"));
-      };
-      const Eigen::Vector3d min = vector("min");
-      box = BopBox{{min, min + vector("size")}, infos_file};
-    });
-  }
-  const fs::path model_file = models / bop::model_file(obj_id);
-  if (box || !fs::exists(model_file)) return box;
-  box = BopBox{{}, model_file};
-  for (const Eigen::Vector3d& vertex : read_ply_as_it_is(model_file).vertices) {
-    box->box_mm.extend(vertex);
-  }
-  return box;
-}
-
-std::vector<BopImage> read_bop_images(const fs::path& folder, const std::string& split) {
+BopImages read_bop_images(const fs::path& folder, const std::string& split) {
   if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: is no folder", folder.string()));
   const fs::path scenes_folder = split_folder(folder, split);
-  const fs::path list = folder / bop::kTargetsFile;
-  const bool is_test = scenes_folder.filename().string().starts_with(bop::kTestSplit);
-  const bool has_list = is_test && fs::exists(list);  // it is of no other split
-  const Targets targets = has_list ? read_targets(list) : Targets{};
+  BopImages read;
+  const TargetList list = find_targets(folder, scenes_folder, read.notes);
+  note_lens(folder, read.notes);
   std::set<int> scenes;
-  if (!has_list) scenes = scenes_in(scenes_folder);
-  for (const auto& [image, objects] : targets) scenes.insert(image.first);
-  std::vector<BopImage> images;
+  if (!list.is_there()) scenes = scenes_in(scenes_folder);
+  for (const auto& [image, objects] : list.targets) scenes.insert(image.first);
+  std::vector<BopImage> asked;
   for (const int scene_id : scenes) {
-    for (auto& [im_id, image] :
-         SceneReader(scenes_folder / bop::scene_name(scene_id), scene_id).read()) {
-      const auto wanted = targets.find({scene_id, im_id});
-      if (has_list && wanted == targets.end()) continue;
-      image.targets = has_list ? wanted->second : visible_objects(image);
-      require_instances(image);
-      if (!image.targets.empty()) images.push_back(std::move(image));
+    const fs::path scene = numbered_scene(scenes_folder, scene_id);
+    for (auto& [im_id, image] : SceneReader(scene, scene_id).read()) {
+      const auto wanted = list.targets.find({scene_id, im_id});
+      if (list.is_there() && wanted == list.targets.end()) continue;
+      const bool names_objects = list.is_there() && !wanted->second.empty();
+      image.targets = names_objects ? wanted->second : visible_objects(image);
+      require_instances(image, list.file);
+      asked.push_back(std::move(image));
     }
   }
-  const size_t asked = std::count_if(images.begin(), images.end(), [&](auto& i) {
-    return targets.contains({i.scene_id, i.im_id});
-  });
-  if (asked < targets.size()) {
-    throw InputError(
-        fmt::format("{}: asks for images that {} has not", list.string(), bop::kSceneTruthFile));
+  require_all_asked(list, asked);
+  for (BopImage& image : asked) {
+    if (!image.targets.empty()) read.images.push_back(std::move(image));
   }
-  if (images.empty()) {
+  if (read.images.empty()) {
     throw InputError(fmt::format("{}: has no image with a target", scenes_folder.string()));
   }
-  return images;
+  return read;
 }
 
 BopDataset read_bop_dataset(const fs::path& folder, const std::string& split) {
-  if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: is no folder", folder.string()));
-  BopDataset dataset{.models = read_models(models_folder(folder)),
-                     .images = read_bop_images(folder, split)};
-  int width_px = 0;
-  if (fs::exists(folder / bop::kCameraFile)) {
-    with_json(folder / bop::kCameraFile,
-              [&](const Json& camera) { width_px = camera.value("width", 0); });
+  BopImages read = read_bop_images(folder, split);
+  std::set<int> objects;
+  for (const BopImage& image : read.images) {
+    for (const auto& [obj_id, count] : image.targets) objects.insert(obj_id);
   }
-  for (BopImage& image : dataset.images) {
-    require_models(image, dataset.models);
-    image.width_px = width_px > 0 ? width_px : width_of(image);
-  }
+  BopDataset dataset{.models = read_bop_models(folder, objects),
+                     .images = std::move(read.images),
+                     .notes = std::move(read.notes)};
+  set_widths(folder, dataset);
   return dataset;
 }
 

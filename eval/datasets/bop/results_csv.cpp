@@ -3,6 +3,8 @@
 #include "eval/datasets/bop/results_csv.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,6 +14,7 @@
 
 #include "eval/datasets/conventions.h"
 #include "eval/output/csv_reader.h"
+#include "eval/output/numbers.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -21,6 +24,7 @@ const std::vector<std::string> kColumns = {"scene_id", "im_id", "obj_id", "score
                                            "R",        "t",     "time"};
 constexpr const char* kCovariance = "covariance";
 constexpr const char* kRemoved = "removed";
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // The columns that BOP knows stand first, in its order; ours may follow.
 void require_header(const std::filesystem::path& file, const CsvReader& csv) {
@@ -37,6 +41,16 @@ void require_header(const std::filesystem::path& file, const CsvReader& csv) {
   csv.require_columns(kColumns, known);
 }
 
+// The file at its first row; one whose first line is an estimate already has no header.
+CsvReader opened(const std::filesystem::path& file) {
+  CsvReader csv(file);
+  const std::string& first = csv.columns().front();
+  const bool is_row = csv.columns().size() == kColumns.size() && parsed_number(first);
+  if (is_row) return {file, kColumns};
+  require_header(file, csv);
+  return csv;
+}
+
 Matrix6d symmetric_of(std::span<const double> upper_triangle) {
   Matrix6d matrix;
   size_t next = 0;
@@ -48,21 +62,37 @@ Matrix6d symmetric_of(std::span<const double> upper_triangle) {
   return matrix;
 }
 
+// Why the numbers of a row are no estimate; empty where they are one.
+std::string problem_of(const BopEstimate& estimate) {
+  if (!estimate.cam_from_model.rotation.allFinite()) return "R is not finite";
+  if (!estimate.cam_from_model.translation.allFinite()) return "t is not finite";
+  if (!std::isfinite(estimate.score)) return "score is not finite";
+  if (!std::isfinite(estimate.time_s)) return "time is not finite";
+  if (estimate.covariance_rad_m && !estimate.covariance_rad_m->allFinite()) {
+    return "covariance is not finite";
+  }
+  return is_near_rotation(estimate.cam_from_model.rotation) ? "" : "R is no rotation";
+}
+
 BopEstimate estimate_of(const CsvReader& csv) {
   BopEstimate estimate;
-  estimate.scene_id = csv.whole("scene_id");
-  estimate.im_id = csv.whole("im_id");
-  estimate.obj_id = csv.whole("obj_id");
-  estimate.score = csv.number("score");
-  estimate.time_s = csv.number("time");
+  estimate.scene_id = csv.integer("scene_id");
+  estimate.im_id = csv.integer("im_id");
+  estimate.obj_id = csv.integer("obj_id");
+  estimate.score = csv.number_or("score", kNaN);
+  estimate.time_s = csv.number_or("time", kNaN);
   estimate.line = csv.line();
-  const std::vector<double> rotation = csv.numbers("R", 9);
-  const std::vector<double> translation = csv.numbers("t", 3);
+  const std::vector<double> rotation = csv.any_numbers("R", 9);
+  const std::vector<double> translation = csv.any_numbers("t", 3);
   estimate.cam_from_model.rotation = matrix_from_rows(rotation);
   estimate.cam_from_model.translation = Eigen::Map<const Eigen::Vector3d>(translation.data());
-  if (!is_near_rotation(estimate.cam_from_model.rotation)) csv.fail("has an R that is no rotation");
   if (csv.has_column(kCovariance) && !csv.is_empty(kCovariance)) {
-    estimate.covariance_rad_m = symmetric_of(csv.numbers(kCovariance, 21));
+    estimate.covariance_rad_m = symmetric_of(csv.any_numbers(kCovariance, 21));
+  }
+  estimate.problem = problem_of(estimate);
+  if (!std::isfinite(estimate.score)) estimate.score = -std::numeric_limits<double>::infinity();
+  if (estimate.problem.empty()) {
+    estimate.cam_from_model.rotation = *usable_rotation(estimate.cam_from_model.rotation);
   }
   if (csv.has_column(kRemoved)) estimate.removed = csv.names(kRemoved);
   return estimate;
@@ -71,11 +101,20 @@ BopEstimate estimate_of(const CsvReader& csv) {
 }  // namespace
 
 std::vector<BopEstimate> read_bop_results(const std::filesystem::path& file) {
-  CsvReader csv(file);
-  require_header(file, csv);
+  CsvReader csv = opened(file);
   std::vector<BopEstimate> estimates;
   while (csv.next()) estimates.push_back(estimate_of(csv));
   return estimates;
+}
+
+std::string failed_rows(std::span<const BopEstimate> estimates) {
+  const auto is_failed = [](const BopEstimate& e) { return !e.problem.empty(); };
+  const auto first = std::find_if(estimates.begin(), estimates.end(), is_failed);
+  if (first == estimates.end()) return "";
+  const auto count = std::count_if(first, estimates.end(), is_failed);
+  return fmt::format("{} {} no estimate and {} as failed, the first in line {}: {}", count,
+                     count == 1 ? "row is" : "rows are", count == 1 ? "counts" : "count",
+                     first->line, first->problem);
 }
 
 }  // namespace sightline

@@ -4,11 +4,14 @@
 // Sightings in BOP's scenewise format (bop/layout.h).
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "eval/datasets/bop/layout.h"
+#include "eval/datasets/bop/models.h"
+#include "eval/datasets/bop/numbered.h"
 #include "eval/datasets/bop/read.h"
 #include "eval/datasets/conventions.h"
 #include "eval/datasets/set_readers.h"
@@ -33,13 +36,6 @@ int target_object(const SightingSource& source, const std::vector<BopImage>& ima
                        : fmt::format("{}; say --object which of them is the target", has));
 }
 
-fs::path picture_of(const BopImage& image) {
-  fs::path file = bop_picture(image);
-  if (!file.empty()) return file;
-  throw InputError(fmt::format("{}: has no picture {} in rgb/ or gray/", image.folder.string(),
-                               bop::image_name(image.im_id)));
-}
-
 Camera camera_of(const BopImage& image, const BrownConrady& distortion) {
   try {
     Camera camera = camera_from_matrix(image.k);
@@ -52,41 +48,46 @@ Camera camera_of(const BopImage& image, const BrownConrady& distortion) {
   }
 }
 
-Pose pose_of(const BopImage& image, int gt_id) {
-  const Pose& mm = image.instances[gt_id].cam_from_model;
-  try {
-    return {nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: image {}: cam_R_m2c {}",
-                                 (image.folder / bop::kSceneTruthFile).string(), image.im_id,
-                                 error.what()));
+Sighting sighting_of(const SightingSource& source, const BopImage& image, int gt_id) {
+  const BopInstance& instance = image.instances[gt_id];
+  Sighting sighting;
+  sighting.scene_id = image.scene_id;
+  sighting.im_id = image.im_id;
+  sighting.gt_id = gt_id;
+  sighting.camera = camera_of(image, source.distortion);
+  const Pose& mm = instance.cam_from_model;
+  sighting.cam_from_target = {nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
+  sighting.visible_mask =
+      numbered_picture(image.folder / bop::kVisibleMaskFolder, {image.im_id, gt_id});
+  sighting.picture = bop_picture(image);
+  if (sighting.picture.empty()) {
+    sighting.picture = missing_bop_picture(image);
+    sighting.problem = EstimateOutcome::kPictureUnreadable;
   }
+  if (!instance.has_pose) sighting.problem = EstimateOutcome::kNoTruth;
+  return sighting;
 }
 
 SetReading read_bop_sightings(const SightingSource& source) {
-  const std::vector<BopImage> images = read_bop_images(source.folder, source.split);
+  BopImages read = read_bop_images(source.folder, source.split);
+  const std::vector<BopImage>& images = read.images;
   SetReading reading;
+  reading.notes = std::move(read.notes);
   reading.obj_id = target_object(source, images);
   for (const BopImage& image : images) {
     std::vector<int> instances = asked_instances(image, reading.obj_id);
     std::sort(instances.begin(), instances.end());
     for (const int gt_id : instances) {
-      Sighting& sighting = reading.sightings.emplace_back();
-      sighting.picture = picture_of(image);
-      sighting.visible_mask =
-          bop_picture(image.folder / bop::kVisibleMaskFolder, bop::mask_name(image.im_id, gt_id));
-      sighting.scene_id = image.scene_id;
-      sighting.im_id = image.im_id;
-      sighting.gt_id = gt_id;
-      sighting.camera = camera_of(image, source.distortion);
-      sighting.cam_from_target = pose_of(image, gt_id);
+      reading.sightings.push_back(sighting_of(source, image, gt_id));
     }
   }
-  if (const auto model = bop_model_box(source.folder, reading.obj_id)) {
-    reading.model_file = model->file;
-    reading.model_box_m.emplace(kMetresPerMillimetre * model->box_mm.min(),
-                                kMetresPerMillimetre * model->box_mm.max());
+  BopModelFacts model = bop_model_facts(source.folder, reading.obj_id);
+  reading.model_file = model.file;
+  if (model.box_mm) {
+    reading.model_box_m.emplace(kMetresPerMillimetre * model.box_mm->min(),
+                                kMetresPerMillimetre * model.box_mm->max());
   }
+  reading.symmetries = std::move(model.symmetries);
   return reading;
 }
 

@@ -2,12 +2,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Sightings in the format of SPEED+ and SPEED (speed/layout.h).
+#include <algorithm>
 #include <array>
-#include <cmath>
+#include <fstream>
+#include <optional>
+#include <set>
 #include <span>
 #include <string_view>
+#include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "eval/datasets/conventions.h"
 #include "eval/datasets/model_file.h"
@@ -30,6 +35,36 @@ std::vector<fs::path> lists_in(const fs::path& folder, std::span<const std::stri
   return lists;
 }
 
+// Whether a file begins as SPEED's lists do: they name the spacecraft of the mission PRISMA.
+bool seems_list(const fs::path& file) {
+  constexpr std::streamsize kBeginning = 4096;
+  std::string text(kBeginning, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(text.data(), kBeginning);
+  return text.find(speed::kAttitudeOfSpeed) != std::string::npos;
+}
+
+// All lists of a set, whatever their names, as --split takes them: those in its folder and in the
+// folders there, such as SPEED+'s domains and SHIRT's orbits.
+std::set<std::string> all_lists(const fs::path& folder) {
+  constexpr int kMostFiles = 200;  // to look into: a set of another format may have thousands
+  std::set<std::string> lists;
+  int looked_into = 0;
+  std::error_code error;
+  for (auto entry = fs::recursive_directory_iterator(folder, error);
+       entry != fs::recursive_directory_iterator() && looked_into < kMostFiles;
+       entry.increment(error)) {
+    if (entry.depth() > 0 || entry->path().filename() == speed::kImagesFolder) {
+      entry.disable_recursion_pending();
+    }
+    if (!entry->is_regular_file(error) || entry->path().extension() != ".json") continue;
+    ++looked_into;
+    if (!seems_list(entry->path())) continue;
+    lists.insert(entry->path().lexically_relative(folder).replace_extension("").string());
+  }
+  return lists;
+}
+
 // The list that the source names, if it names one and it is there.
 std::vector<fs::path> named_lists(const SightingSource& source) {
   if (source.split.empty()) return {};
@@ -46,8 +81,11 @@ fs::path list_of(const SightingSource& source) {
   }
   const auto lists = lists_in(source.folder, speed::kLists);
   if (lists.size() == 1) return lists.front();
-  throw InputError(fmt::format("{}: has {} and {}; say --split which one is meant", folder,
-                               lists[0].filename().string(), lists[1].filename().string()));
+  std::set<std::string> all = all_lists(source.folder);
+  for (const fs::path& known : lists) all.insert(known.stem().string());
+  if (all.size() == 1) return source.folder / (*all.begin() + ".json");
+  throw InputError(fmt::format("{}: has {}.json; say --split which one is meant", folder,
+                               fmt::join(all, ".json and ")));
 }
 
 // The domains of SPEED+ (synthetic/, lightbox/, sunlamp/) share the camera of the folder above.
@@ -59,18 +97,49 @@ fs::path camera_file(const fs::path& list) {
   throw InputError(fmt::format("{}: is missing", (folder / speed::kCameraFile).string()));
 }
 
+// The focal length along an axis in pixels. SPEED states it and the pixel's pitch in metres; who
+// writes such a file anew often has it in pixels, where no lens has it in metres.
+double focus_px(const Json& camera, const char* focus, const char* pitch) {
+  constexpr double kLongestLensM = 10;
+  const double given = number_in(camera, focus);
+  if (!camera.contains(pitch) || given > kLongestLensM) return given;
+  return given / number_in(camera, pitch);
+}
+
+// Of the principal point; the picture's middle where the camera does not say.
+double centre_px(const Json& camera, const char* centre, const char* size) {
+  return camera.contains(centre) ? number_in(camera, centre) : number_in(camera, size) / 2;
+}
+
 Eigen::Matrix3d matrix_in(const Json& camera) {
-  Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
   if (camera.contains("cameraMatrix")) {
-    const Json& rows = camera["cameraMatrix"];
-    for (size_t i = 0; i < 9; ++i) k(i / 3, i % 3) = rows.at(i / 3).at(i % 3).get<double>();
-    return k;
+    return matrix_from_rows(numbers_in(camera, "cameraMatrix", 9));
   }
-  k(0, 0) = camera.at("fx").get<double>() / camera.at("ppx").get<double>();
-  k(1, 1) = camera.at("fy").get<double>() / camera.at("ppy").get<double>();
-  k(0, 2) = camera.at("Nu").get<double>() / 2;
-  k(1, 2) = camera.at("Nv").get<double>() / 2;
+  Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
+  k(0, 0) = focus_px(camera, "fx", "ppx");
+  k(1, 1) = focus_px(camera, "fy", "ppy");
+  k(0, 2) = centre_px(camera, "ccx", "Nu");
+  k(1, 2) = centre_px(camera, "ccy", "Nv");
   return k;
+}
+
+// OpenCV writes 4, 5, 8, 12 or 14 coefficients, as a row, a column or a list: k1, k2, p1, p2, k3,
+// and those of models that ours is not, which must be zero.
+BrownConrady distortion_in(const Json& camera) {
+  constexpr std::array<size_t, 5> kCounts = {4, 5, 8, 12, 14};
+  const Json& value = value_in(camera, "distCoeffs");
+  size_t count = 0;
+  for (const Json& element : value) count += element.is_array() ? element.size() : 1;
+  if (std::find(kCounts.begin(), kCounts.end(), count) == kCounts.end()) {
+    throw InputError(
+        fmt::format("distCoeffs has {} numbers, must have {}", count, fmt::join(kCounts, ", ")));
+  }
+  std::vector<double> d = finite_numbers(value, "distCoeffs", count);
+  d.resize(std::max<size_t>(d.size(), 5));
+  if (std::any_of(d.begin() + 5, d.end(), [](double more) { return more != 0; })) {
+    throw InputError("distCoeffs: only k1, k2, p1, p2 and k3 can be used, the others must be 0");
+  }
+  return {.k1 = d[0], .k2 = d[1], .p1 = d[2], .p2 = d[3], .k3 = d[4]};
 }
 
 Camera read_camera(const fs::path& file) {
@@ -79,33 +148,32 @@ Camera read_camera(const fs::path& file) {
     camera = camera_from_matrix(matrix_in(json));
     camera.cx_px -= speed::kHalfPixel;
     camera.cy_px -= speed::kHalfPixel;
-    if (!json.contains("distCoeffs")) return;
-    const std::vector<double> d = numbers_in(json, "distCoeffs", 5);
-    camera.distortion = {.k1 = d[0], .k2 = d[1], .p1 = d[2], .p2 = d[3], .k3 = d[4]};
+    if (json.contains("distCoeffs")) camera.distortion = distortion_in(json);
   });
   return camera;
 }
 
-// In images/ beside the list; in SPEED in a folder of the list's name there.
+// In images/ beside the list; in SPEED in a folder of the list's name there. Where it is in
+// neither, where it should be.
 fs::path picture_file(const fs::path& list, const std::string& name) {
   const fs::path given = fs::path(name).lexically_normal();
   if (given.is_absolute() || given.empty() || *given.begin() == "..") {
     throw InputError(fmt::format("names {}, which must lie within the set", name));
   }
   const fs::path images = list.parent_path() / speed::kImagesFolder;
-  for (const fs::path& folder : {images, images / list.stem()}) {
-    if (fs::is_regular_file(folder / name)) return folder / name;
-  }
-  throw InputError(fmt::format("names {}, which is not in {}", name, images.string()));
+  const fs::path beside = images / list.stem() / name;
+  return fs::is_regular_file(images / name) || !fs::is_regular_file(beside) ? images / name
+                                                                            : beside;
 }
 
-Pose stated_pose(const Json& entry) {
-  const std::string key =
-      entry.contains(speed::kAttitude) ? speed::kAttitude : speed::kAttitudeOfSpeed;
-  const std::vector<double> q = numbers_in(entry, key, 4);
-  const std::vector<double> r = numbers_in(entry, speed::kPosition, 3);
-  return {rotation_of_printed(Eigen::Quaterniond(q[0], q[1], q[2], q[3]), key),
-          Eigen::Vector3d(r[0], r[1], r[2])};
+// None where the numbers are no pose.
+std::optional<Pose> stated_pose(const Json& entry) {
+  const std::vector<double> q = numbers_or_nan_in(entry, first_key_in(entry, speed::kAttitudes), 4);
+  const std::vector<double> r = numbers_or_nan_in(entry, first_key_in(entry, speed::kPositions), 3);
+  const auto rotation = usable_rotation(Eigen::Quaterniond(q[0], q[1], q[2], q[3]));
+  const Eigen::Vector3d translation(r[0], r[1], r[2]);
+  if (!rotation || !translation.allFinite()) return std::nullopt;
+  return Pose{*rotation, translation};
 }
 
 // Sightline's own sets have the model beside them, in the target's frame.
@@ -120,7 +188,8 @@ void add_model(const fs::path& folder, SetReading& reading) {
 
 // Whether the folder has a list as SPEED+ has them.
 bool is_speed_set(const SightingSource& source) {
-  return !lists_in(source.folder, speed::kLists).empty() || !named_lists(source).empty();
+  if (!lists_in(source.folder, speed::kLists).empty() || !named_lists(source).empty()) return true;
+  return source.split.empty() && !all_lists(source.folder).empty();
 }
 
 SetReading read_speed_sightings(const SightingSource& source) {
@@ -135,12 +204,18 @@ SetReading read_speed_sightings(const SightingSource& source) {
   SetReading reading;
   const Camera camera = read_camera(camera_file(list));
   with_json(list, [&](const Json& entries) {
+    if (!entries.is_array()) throw InputError("must be a list of images");
     for (const Json& entry : entries) {
       Sighting& sighting = reading.sightings.emplace_back();
-      sighting.picture = picture_file(list, entry.at(speed::kPicture).get<std::string>());
+      sighting.picture = picture_file(list, text_in(entry, speed::kPicture));
       sighting.im_id = static_cast<int>(reading.sightings.size()) - 1;
       sighting.camera = camera;
-      sighting.cam_from_target = stated_pose(entry);
+      const std::optional<Pose> pose = stated_pose(entry);
+      if (!fs::is_regular_file(sighting.picture)) {
+        sighting.problem = EstimateOutcome::kPictureUnreadable;
+      }
+      if (!pose) sighting.problem = EstimateOutcome::kNoTruth;
+      sighting.cam_from_target = pose.value_or(Pose{});
     }
     if (reading.sightings.empty()) throw InputError("lists no image");
   });

@@ -28,5 +28,8 @@ inline constexpr const char* kPicture = "filename";
 inline constexpr const char* kAttitude = "q_vbs2tango_true";
 inline constexpr const char* kAttitudeOfSpeed = "q_vbs2tango";  ///< in SPEED instead
 inline constexpr const char* kPosition = "r_Vo2To_vbs_true";
+/// What an attitude and a position may be called, ours first.
+inline constexpr std::array kAttitudes = {kAttitude, kAttitudeOfSpeed};
+inline constexpr std::array kPositions = {kPosition, "r_Vo2To_vbs"};
 
 }  // namespace sightline::speed

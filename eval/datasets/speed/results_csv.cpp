@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/datasets/speed/results_csv.h"
 
+#include <limits>
 #include <set>
 #include <utility>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "eval/datasets/conventions.h"
@@ -13,6 +13,26 @@
 #include "scenes/files/input_error.h"
 
 namespace sightline {
+namespace {
+
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+void set_pose(const Eigen::Quaterniond& attitude, const Eigen::Vector3d& translation_m,
+              SpeedEstimate& estimate) {
+  const auto rotation = usable_rotation(attitude);
+  if (!attitude.coeffs().allFinite()) {
+    estimate.problem = "the quaternion is not finite";
+  } else if (!rotation) {
+    estimate.problem =
+        fmt::format("the quaternion has the length {:.4g}, must have length 1", attitude.norm());
+  } else if (!translation_m.allFinite()) {
+    estimate.problem = "the translation is not finite";
+  } else {
+    estimate.cam_from_model = {*rotation, translation_m};
+  }
+}
 
 std::vector<SpeedEstimate> read_speed_results(const std::filesystem::path& file) {
   CsvReader csv(file, {"filename", "q0", "q1", "q2", "q3", "x", "y", "z"});
@@ -23,14 +43,9 @@ std::vector<SpeedEstimate> read_speed_results(const std::filesystem::path& file)
     SpeedEstimate estimate;
     estimate.picture = std::filesystem::path(csv.text("filename")).filename().string();
     estimate.line = csv.line();
-    const Eigen::Quaterniond q(csv.number("q0"), csv.number("q1"), csv.number("q2"),
-                               csv.number("q3"));
-    try {
-      estimate.cam_from_model.rotation = rotation_of_printed(q, "the quaternion");
-    } catch (const InputError& error) {
-      csv.fail(fmt::format("is wrong: {}", error.what()));
-    }
-    estimate.cam_from_model.translation = {csv.number("x"), csv.number("y"), csv.number("z")};
+    const auto number = [&csv](const char* column) { return csv.number_or(column, kNoValue); };
+    set_pose({number("q0"), number("q1"), number("q2"), number("q3")},
+             {number("x"), number("y"), number("z")}, estimate);
     if (!seen.insert(estimate.picture).second) {
       csv.fail(fmt::format("names a picture that was named before: {}", estimate.picture));
     }

@@ -6,21 +6,31 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
 #include "pose/pose.h"
 
 namespace sightline {
 
 /// What a method says of the target in one picture.
 struct SpeedEstimate {
-  std::string picture;  ///< its file's name, without folders
-  Pose cam_from_model;  ///< metres
-  int line = 0;         ///< of the file, from 1
+  std::string picture;    ///< its file's name, without folders
+  Pose cam_from_model;    ///< metres
+  int line = 0;           ///< of the file, from 1
+  std::string problem{};  ///< why the row is no pose; empty where it is one
 };
+
+/// Gives an estimate its pose, or its problem.
+void set_pose(const Eigen::Quaterniond& attitude, const Eigen::Vector3d& translation_m,
+              SpeedEstimate& estimate);
 
 /// Poses as ESA's challenges take them: a line a picture of its file's name, a quaternion, scalar
 /// first, and a translation in metres, with commas between them. A first line of names, which
-/// begins with "filename", does not count. Throws InputError, with file and line, for whatever is
-/// not so, and for a picture that stands there twice.
+/// begins with "filename", does not count. A row whose numbers are
+/// not finite, or whose quaternion is not of length 1 (1e-2), is kept with its problem. Throws
+/// InputError, with file and line, for whatever else is not so, and for a picture that stands there
+/// twice.
 std::vector<SpeedEstimate> read_speed_results(const std::filesystem::path& file);
 
 }  // namespace sightline

@@ -44,6 +44,7 @@ void add_compare(CLI::App& app, int& exit_code);
 void add_solve(CLI::App& app, int& exit_code);
 void add_align(CLI::App& app, int& exit_code);
 
+void add_coverage(CLI::App& app);
 /// `demo`: 4 when trials could not be run.
 void add_demo(CLI::App& app, const std::string& command, int& exit_code);
 

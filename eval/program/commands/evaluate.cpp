@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <filesystem>
+#include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
@@ -84,6 +85,12 @@ int run_evaluate(const EvaluateArguments& arguments, const std::string& command)
   remember_interrupts();
   const Study study =
       read_study_text(study_text(arguments), "evaluate", overrides_of(arguments.run));
+  const ImageStudy* const images = study.images();
+  if (images != nullptr && images->sighted) {
+    for (const std::string& note : images->sighted->set->notes) {
+      std::cerr << "sightline: " << note << "\n";
+    }
+  }
   return run_command(study, arguments.run, arguments.run.out, command);
 }
 

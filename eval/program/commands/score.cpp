@@ -97,18 +97,22 @@ std::string write_scores(const ScoredResults& scored, const fs::path& folder) {
   return write_figures(folder / "figures", score_charts(scored));
 }
 
-void print_notes(const std::vector<Method>& methods) {
+void print_notes(const BopDataset& dataset, const std::vector<Method>& methods) {
+  for (const std::string& note : dataset.notes) std::cerr << "sightline: " << note << "\n";
   for (const Method& method : methods) {
+    const std::string failed = failed_rows(method.estimates);
+    if (!failed.empty()) std::cerr << fmt::format("sightline: {}: {}\n", method.file, failed);
     if (method.scores.ignored_estimates == 0) continue;
     std::cerr << fmt::format(
         "sightline: {}{} estimates are of nothing that is asked for, or more than are\n",
         methods.size() > 1 ? method.name + ": " : "", method.scores.ignored_estimates);
   }
   const BopScores& scores = methods.front().scores;
+  const std::string vsd_note = note_on_vsd(scores);
   if (!scores.has_models) {
     std::cerr << "sightline: the data set has no model, so there are errors of poses alone\n";
-  } else if (!scores.has_vsd) {
-    std::cerr << "sightline: the data set has images without depth, so there is no VSD and no AR\n";
+  } else if (!vsd_note.empty()) {
+    std::cerr << "sightline: " << vsd_note << "\n";
   }
 }
 
@@ -161,7 +165,7 @@ int run_score(const ScoreArguments& arguments) {
   const std::vector<RequirementResult> results = check_requirements(requirements, scored);
   const std::string figures_note = write_folder(arguments, scored);
   if (!arguments.junit.empty()) write_file(arguments.junit, to_junit(results, arguments.dataset));
-  print_notes(methods);
+  print_notes(set.dataset, methods);
   if (!figures_note.empty()) std::cerr << "sightline: " << figures_note << "\n";
   if (!arguments.is_quiet) print_scores(arguments, scored);
   int exit_code = 0;

@@ -85,6 +85,47 @@ TEST_F(ForeignSpeed, OfTheFirstChallengeIsReadToo) {
   EXPECT_EQ(sightings[0].image, "images/train/img1.jpg");
 }
 
+// Its principal point is not the picture's middle; some write focal lengths in pixels, matrices in
+// one row and other numbers of coefficients.
+TEST_F(ForeignSpeed, HasItsCameraInManyWays) {
+  const auto camera = [this](const std::string& json) {
+    folder_.write("camera.json", json);
+    return read_sightings(source("synthetic", ""), cube_).sightings.front().camera;
+  };
+  const Camera stated = camera(
+      R"({"Nu": 320, "Nv": 240, "ppx": 1e-5, "ppy": 2e-5, "fx": 0.009, "fy": 0.0183, "ccx": 150,
+          "ccy": 130, "distCoeffs": [0.1, 0.2, 0.3, 0.4]})");
+  EXPECT_EQ(stated.cx_px, 149.5);
+  EXPECT_EQ(stated.cy_px, 129.5);
+  EXPECT_EQ(stated.distortion.p2, 0.4);
+  EXPECT_EQ(stated.distortion.k3, 0);
+  const Camera in_pixels = camera(R"({"Nu": 320, "Nv": 240, "ppx": 1e-5, "ppy": 1e-5, "fx": 900,
+                                      "fy": 915, "distCoeffs": [[1, 2, 3, 4, 5, 0, 0, 0]]})");
+  EXPECT_EQ(in_pixels.fx_px, 900);
+  EXPECT_EQ(in_pixels.distortion.k3, 5);
+  EXPECT_EQ(camera(R"({"cameraMatrix": [900, 0, 160, 0, 915, 120, 0, 0, 1]})").fy_px, 915);
+  EXPECT_THAT(error_of([&] {
+                camera(R"({"cameraMatrix": [900, 0, 160, 0, 915, 120, 0, 0, 1],
+                           "distCoeffs": [1, 2, 3, 4, 5, 6, 0, 0]})");
+              }),
+              HasSubstr("camera.json: distCoeffs: only k1, k2, p1, p2 and k3 can be used"));
+}
+
+TEST_F(ForeignSpeed, HasOneFailureAPictureOrPoseThatIsMissing) {
+  folder_.write("synthetic/train.json",
+                R"([{"filename": "img1.jpg", "q_vbs2tango_true": [0.6, 0, 0, 0.8],
+                     "r_Vo2To_vbs": [0.1, -0.2, 10]},
+                    {"filename": "img2.jpg", "q_vbs2tango_true": [0.6, 0, 0, 0.8],
+                     "r_Vo2To_vbs": [0.1, -0.2, 10]},
+                    {"filename": "img1.jpg", "q_vbs2tango_true": [0.6, 0, 0, NaN],
+                     "r_Vo2To_vbs": [0.1, -0.2, 10]}])");
+  const auto sightings = read_sightings(source("synthetic", ""), cube_).sightings;
+  ASSERT_EQ(sightings.size(), 3u);
+  EXPECT_FALSE(sightings[0].problem);
+  EXPECT_EQ(sightings[1].problem, EstimateOutcome::kPictureUnreadable);
+  EXPECT_EQ(sightings[2].problem, EstimateOutcome::kNoTruth);
+}
+
 TEST_F(ForeignSpeed, IsRefusedInOneLineThatNamesTheFile) {
   const auto error = [this] {
     return error_of([this] { read_sightings(source("synthetic", ""), cube_); });
@@ -93,8 +134,9 @@ TEST_F(ForeignSpeed, IsRefusedInOneLineThatNamesTheFile) {
   folder_.write("synthetic/validation.json", "[]");
   EXPECT_THAT(error(), HasSubstr("has train.json and validation.json; say --split"));
   fs::remove(folder_.path() / "synthetic/validation.json");
-  folder_.write("synthetic/train.json", R"([{"filename": "img2.jpg"}])");
-  EXPECT_THAT(error(), HasSubstr("train.json: names img2.jpg, which is not in"));
+  folder_.write("synthetic/train.json", R"([{"filename": "img1.jpg"}])");
+  EXPECT_THAT(error(),
+              HasSubstr("train.json: is not as its format has it: has no 'q_vbs2tango_true'"));
   folder_.write("secret.png", "");
   for (const std::string name : {"../../secret.png", "/etc/passwd", "a/../../../secret.png"}) {
     folder_.write("synthetic/train.json", "[{\"filename\": \"" + name + "\"}]");
@@ -105,7 +147,7 @@ TEST_F(ForeignSpeed, IsRefusedInOneLineThatNamesTheFile) {
   EXPECT_THAT(error(), HasSubstr("train.json: lists no image"));
   folder_.write("synthetic/train.json", R"([{"filename": "img1.jpg",
       "q_vbs2tango_true": [2, 0, 0, 0], "r_Vo2To_vbs_true": [0, 0, 10]}])");
-  EXPECT_THAT(error(), HasSubstr("q_vbs2tango_true has the length 2"));
+  EXPECT_THAT(error(), HasSubstr("none of its 1 true poses is one"));
   folder_.write("synthetic/train.json", R"([{"filename": "img1.jpg",
       "q_vbs2tango_true": [1, 0, 0, 0], "r_Vo2To_vbs_true": [0, 0, -10]}])");
   EXPECT_THAT(error(), HasSubstr("none of its 1 poses puts 'cube' into its image"));

@@ -140,7 +140,7 @@ TEST_F(Observations, ThatAreWrongAreRefusedWithTheirLine) {
               HasSubstr("line 3 has '" + name(0) + "' of image 0 of scene 0 a second time"));
   EXPECT_THAT(complaint("a.csv", head + "0,7," + name(0) + ",1,2\n"), HasSubstr("gt_id must say"));
   EXPECT_THAT(complaint("a.csv", head + "0,0," + name(0) + ",1\n"), HasSubstr("has 4 fields"));
-  EXPECT_THAT(complaint("a.csv", head + "0,0," + name(0) + ",inf,1\n"), HasSubstr("finite number"));
+  EXPECT_THAT(complaint("a.csv", head + "0,0," + name(0) + ",here,1\n"), HasSubstr("a number"));
   EXPECT_THAT(complaint("a.csv", "scene_id,im_id,feature,u\n"), HasSubstr("names no column 'v'"));
   EXPECT_THAT(complaint("a.csv", "scene_id,im_id,feature,u,v,sigmas\n"),
               HasSubstr("has a column 'sigmas' (did you mean 'sigma'?)"));

@@ -82,6 +82,22 @@ TEST(BopPoseErrors, OfAContinuousSymmetry) {
   EXPECT_NEAR(mssd(points, turned, at_1000_mm()), 100 * std::sin(0.5), kRounding);
 }
 
+// Turned by any angle about an axis of its object, a pose comes back to what it was.
+TEST(BopPoseErrors, OfATurnAboutAnAxisBetweenItsSteps) {
+  const Eigen::Vector3d axis = Eigen::Vector3d(1, 2, 2) / 3;
+  const Eigen::Vector3d point(10, -20, 30);
+  const Pose truth = at_1000_mm(rotation_from_vector({0.3, -0.2, 0.5}));
+  for (const double angle_rad : {-2.5, -0.004, 0.0, 0.7, 3.0}) {
+    const Eigen::Matrix3d turn = rotation_from_vector(angle_rad * axis);
+    const Pose turned = truth * Pose{turn, point - turn * point};
+    const Pose found = turned_towards(turned, truth, axis, point);
+    EXPECT_TRUE(found.rotation.isApprox(turned.rotation, 1e-12)) << angle_rad;
+    EXPECT_LT((found.translation - turned.translation).norm(), kRounding) << angle_rad;
+    EXPECT_FALSE(angle_rad > 0 && turned_towards(turned, truth, Eigen::Vector3d::UnitX(), point)
+                                      .rotation.isApprox(turned.rotation, 1e-3));
+  }
+}
+
 // ---- other benchmarks
 
 // |(3, 4, 0)| = 5 mm of 1000 mm; all vertices at z = 950 or 1050 mm: 2500 / 950 and 2500 / 1050 px,

@@ -6,6 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "eval/output/csv_reader.h"
+#include "tests/scenes/temporary_folder.h"
+
 namespace sightline {
 namespace {
 
@@ -17,6 +20,31 @@ TEST(CsvLine, QuotesOnlyWhatWouldBeTornApart) {
        << "two\nlines"
        << "";
   EXPECT_EQ(std::move(line).end(), "plain text,\"a,b\",\"say \"\"no\"\"\",\"two\nlines\",\n");
+}
+
+TEST(CsvLine, WritesNoFormula) {
+  CsvLine line;
+  line << "=cmd|' /C calc'!A0"
+       << "@SUM(1)"
+       << "-a"
+       << "-5 deg"
+       << "-1e-3"
+       << "+inf"
+       << "a=b";
+  EXPECT_EQ(std::move(line).end(), "'=cmd|' /C calc'!A0,'@SUM(1),'-a,-5 deg,-1e-3,+inf,a=b\n");
+}
+
+TEST(CsvLine, IsReadBackAsItWasWritten) {
+  const TemporaryFolder folder;
+  CsvLine line;
+  line << "=1+1"
+       << "'quoted'"
+       << "-a";
+  CsvReader csv(folder.write("a.csv", "a,b,c\n" + std::move(line).end()));
+  ASSERT_TRUE(csv.next());
+  EXPECT_EQ(csv.text("a"), "=1+1");
+  EXPECT_EQ(csv.text("b"), "'quoted'");
+  EXPECT_EQ(csv.text("c"), "-a");
 }
 
 TEST(CsvLine, WritesTheShortestNumbersThatReadBackTheSame) {

@@ -120,9 +120,11 @@ TEST_F(SpeedScores, SayInALineWhatIsWrong) {
               HasSubstr("line 1: the set has no picture"));
   EXPECT_THAT(error("few.csv", row + "img000001.png,1,0\n"), HasSubstr("line 2 has 3 fields"));
   EXPECT_THAT(error("text.csv", "img000001.png,1,0,0,0,0,x,9\n"), HasSubstr("line 1 has 'x'"));
-  EXPECT_THAT(error("long.csv", "img000001.png,2,0,0,0,0,0,9\n"), HasSubstr("has the length 2"));
+  EXPECT_EQ(error("long.csv", "img000001.png,2,0,0,0,0,0,9\n"), "");
+  EXPECT_THAT(failed_rows(read_estimates(path("long.csv"), set)),
+              HasSubstr("in line 1: the quaternion has the length 2, must have length 1"));
   EXPECT_THAT(error("list.json", R"([{"filename": "img000001.png"}])"),
-              HasSubstr("has no q_vbs2tango_true"));
+              HasSubstr("has no 'q_vbs2tango_true'"));
   EXPECT_THAT(error("text.json", "[1"), HasSubstr("is not as its format has it"));
 
   const std::string good = path("good.csv");

@@ -359,8 +359,7 @@ TEST(Summarise, HasIntervalsOfItsPercentiles) {
   const ErrorSummary summary = summarise(errors, 100, 1, "ranks");
   EXPECT_EQ(summary.median_ci95, (Interval95{6, 15}));
   EXPECT_TRUE(std::isnan(summary.p90_ci95[1]));
-  EXPECT_LT(summary.rms_ci95[0], summary.rms);
-  EXPECT_GT(summary.rms_ci95[1], summary.rms);
+  EXPECT_TRUE(std::isnan(summary.rms_ci95[0])) << "none holds";
 }
 
 // ---- Paired tests ----
@@ -421,29 +420,10 @@ TEST(PMeanAboveZero, IsBelowALevelAsOftenAsThatLevelWhereNothingIsAbove) {
 
 TEST(RmsRatio, AgreesWithAHandComputedCase) {
   RmsRatio ratio;
+  EXPECT_TRUE(std::isnan(ratio.value())) << "of none";
   ratio.add(1, 1);
-  EXPECT_TRUE(std::isnan(ratio.ci95()[0])) << "of one";
   ratio.add(2, 1);
   EXPECT_DOUBLE_EQ(ratio.value(), std::sqrt(2.5));
-  // Squares over their means: 0.4 - 1 and 1.6 - 1, whose variance is 0.72.
-  const double half_width = 1.959963984540054 / 2 * std::sqrt(0.72 / 2);
-  EXPECT_NEAR(ratio.ci95()[0], std::sqrt(2.5) * std::exp(-half_width), 1e-12);
-  EXPECT_NEAR(ratio.ci95()[1], std::sqrt(2.5) * std::exp(half_width), 1e-12);
-}
-
-TEST(RmsRatio, CoversTheTrueRatioOfPairedErrorsAsOftenAsItSays) {
-  constexpr int kSets = 500;
-  int covered = 0;
-  for (uint64_t set = 0; set < kSets; ++set) {
-    RandomStream random(5, "ratio", set);
-    RmsRatio ratio;
-    for (int i = 0; i < 200; ++i) {
-      const double common = random.normal();
-      ratio.add(common + random.normal(), common);  // RMS sqrt(2) and 1
-    }
-    covered += ratio.ci95()[0] <= std::sqrt(2.0) && std::sqrt(2.0) <= ratio.ci95()[1];
-  }
-  EXPECT_NEAR(static_cast<double>(covered) / kSets, 0.95, 0.04);  // four deviations of 500 sets
 }
 
 TEST(TrialsFor, GoWithTheSquareOfTheWidth) {

@@ -41,7 +41,9 @@ TEST(SummaryJson, HasTheKeysOfTheContract) {
                             "t_error_percent", "geodesic_deg", "ratio_to_oracle", "ratio_to_bound",
                             "false_removals", "missed_outliers", "exact_set_rate", "capped",
                             "failure_rate_ci95", "exact_set_rate_ci95", "ratio_to_oracle_ci95",
-                            "ratio_to_bound_ci95", "nees"));
+                            "ratio_to_bound_ci95", "nees", "ratio_to_oracle_median",
+                            "ratio_to_oracle_median_ci95", "ratio_to_bound_median",
+                            "ratio_to_bound_median_ci95"));
     for (const char* error : {"theta_error_deg", "t_error_percent", "geodesic_deg"}) {
       EXPECT_THAT(keys_of(cell[error]), ElementsAre("mean", "mean_ci95", "median", "median_ci95",
                                                     "rms", "rms_ci95", "p90", "p90_ci95"));

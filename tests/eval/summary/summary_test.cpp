@@ -135,8 +135,42 @@ TEST(Summary, HasWilsonIntervalsOfItsRates) {
   const CellSummary& orpe = cell_of(summary, 0, "orpe");
   EXPECT_EQ(orpe.failure_rate_ci95, wilson_interval(1, 3));
   EXPECT_EQ(orpe.exact_set_rate_ci95, wilson_interval(1, 3));
-  EXPECT_LT(orpe.ratio_to_oracle_ci95[0], orpe.ratio_to_oracle);
-  EXPECT_GT(orpe.ratio_to_oracle_ci95[1], orpe.ratio_to_oracle);
+}
+
+// Yaw is the middle angle: at 61 degrees about y an error of the rotation moves the other two by
+// 1 / cos 61 = 2.06 times as much.
+TEST(Summary, HasNoIntervalOfAnglesNearGimbalLock) {
+  const auto mean_ci95 = [](double yaw_rad) {
+    std::vector<TrialRecord> trials = handmade_trials();
+    trials[0].true_cam_from_target.rotation = rotation_from_vector({0, yaw_rad, 0});
+    return cell_of(summarise(two_poses(), trials), 0, "orpe");
+  };
+  constexpr double kDegree = std::numbers::pi / 180;
+  EXPECT_FALSE(std::isnan(mean_ci95(59 * kDegree).theta_error_deg.mean_ci95[0]));
+  EXPECT_TRUE(std::isnan(mean_ci95(-61 * kDegree).theta_error_deg.mean_ci95[0]));
+  EXPECT_FALSE(std::isnan(mean_ci95(-61 * kDegree).geodesic_deg.mean_ci95[0]));
+}
+
+// Of 20 trials the 6th to the 15th bound the median: ratios of 1 to 20 of an error over the
+// oracle's; a failure is beyond all.
+TEST(Summary, HasTheMedianOfTheTrialsRatiosToTheOracle) {
+  std::vector<TrialRecord> trials(20, handmade_trials()[0]);
+  for (size_t i = 0; i < trials.size(); ++i) {
+    trials[i].trial = static_cast<int64_t>(2 * i);
+    auto& estimates = trials[i].pose_trial().estimates;
+    for (EstimateRecord& estimate : estimates) {
+      estimate.status = EstimateOutcome::kOk;
+      estimate.geodesic_deg =
+          estimate.solver == "oracle" ? 0.01 : 0.01 * static_cast<double>(i + 1);
+    }
+    if (i == 19) estimates[0].status = EstimateOutcome::kDiverged;
+  }
+  const std::string solver = trials[0].estimates()[0].solver;
+  ASSERT_NE(solver, "oracle");
+  const Measured median = cell_of(summarise(two_poses(), trials), 0, solver).ratio_to_oracle_median;
+  EXPECT_NEAR(median.value, 10.5, 1e-12);
+  EXPECT_NEAR(median.ci95[0], 6, 1e-12);
+  EXPECT_NEAR(median.ci95[1], 15, 1e-12);
 }
 
 TEST(Summary, SaysHowReportedCovariancesFit) {
@@ -151,6 +185,7 @@ TEST(Summary, SaysHowReportedCovariancesFit) {
   const NeesSummary& nees = cell_of(summary, 0, "lspe").nees;
   EXPECT_EQ(nees.trials, 3);
   EXPECT_DOUBLE_EQ(nees.mean, (12.5 + 12.7 + 5.0) / 3);
+  EXPECT_EQ(nees.median.value, 12.5);
   EXPECT_DOUBLE_EQ(nees.coverage95, 2 / 3.0);
   EXPECT_EQ(nees.coverage95_ci95, wilson_interval(2, 3));
   EXPECT_EQ(cell_of(summary, 0, "orpe").nees.trials, 0) << "it reports none";

@@ -2,16 +2,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/work/shard.h"
 
+#include <array>
 #include <map>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "eval/work/memory.h"
 #include "scenes/files/input_error.h"
+#include "tests/scenes/error_text.h"
 
 namespace sightline {
 namespace {
+
+using testing::HasSubstr;
 
 Environment environment(std::map<std::string, std::string> variables) {
   auto kept = std::make_shared<std::map<std::string, std::string>>(std::move(variables));
@@ -57,6 +64,25 @@ TEST(Shard, AutoAsksTheEngine) {
   EXPECT_EQ(array.shard.index, 2);
   EXPECT_EQ(array.shard.count, 5);
 
+  // With gaps, submitted again alone, and a part of what --shard says.
+  const std::vector<std::array<std::string, 4>> parts = {
+      {"auto", "1", "5", "3"}, {"auto", "2", "2", "1"}, {"auto/8", "2", "3", "2"}};
+  for (const auto& [text, first, last, tasks] : parts) {
+    EXPECT_THAT(error_of([&, text = text, first = first, last = last, tasks = tasks] {
+                  read(text, {{"SLURM_ARRAY_TASK_ID", last},
+                              {"SLURM_ARRAY_TASK_MIN", first},
+                              {"SLURM_ARRAY_TASK_MAX", last},
+                              {"SLURM_ARRAY_TASK_COUNT", tasks}});
+                }),
+                HasSubstr("give I/N"))
+        << first;
+  }
+  EXPECT_EQ(read("auto", {{"SLURM_ARRAY_TASK_ID", "3"},
+                          {"SLURM_ARRAY_TASK_MIN", "1"},
+                          {"SLURM_ARRAY_TASK_MAX", "4"},
+                          {"SLURM_ARRAY_TASK_COUNT", "4"}})
+                .shard.index,
+            2);
   const ShardChoice step = read("auto", {{"SLURM_PROCID", "1"}, {"SLURM_STEP_NUM_TASKS", "2"}});
   EXPECT_EQ(step.source, "Slurm step");
 
@@ -69,6 +95,17 @@ TEST(Shard, AutoWithoutACountOrOutOfRangeIsAnInputError) {
   EXPECT_THROW(read("auto", {{"JOB_COMPLETION_INDEX", "5"}}), InputError);
   EXPECT_THROW(read("auto/4", {{"JOB_COMPLETION_INDEX", "5"}}), InputError);
   EXPECT_THROW(read("auto", {{"PMI_RANK", "x"}, {"PMI_SIZE", "2"}}), InputError);
+}
+
+// 16 bytes a pixel: 16384 x 16384 take 4.3 GB, in two processes 8.6.
+TEST(Memory, RefusesImagesThatCannotFit) {
+  EXPECT_EQ(why_no_memory(16384, 16384, 1, 5e9), "");
+  EXPECT_EQ(why_no_memory(16384, 16384, 1, std::nullopt), "") << "nobody knows";
+  EXPECT_EQ(why_no_memory(16384, 16384, 1, 3e9),
+            "images of 16384 x 16384 pixels take 4.3 GB at least, and 3.0 GB are free");
+  EXPECT_THAT(why_no_memory(16384, 16384, 2, 5e9), HasSubstr("8.6 GB at least in 2 processes"));
+  ASSERT_TRUE(free_memory_bytes());
+  EXPECT_GT(*free_memory_bytes(), 1e6);
 }
 
 }  // namespace

@@ -77,6 +77,18 @@ TEST(PictureFile, ItsSizeIsReadBeforeItsPixels) {
             "is torn or damaged");  // allowed, but not there
 }
 
+TEST(PictureFile, ItsSizeIsWhatItStates) {
+  const TemporaryFolder folder;
+  cv::Mat metres;
+  ramp().convertTo(metres, CV_32F);
+  for (const std::string& whole : {png_bytes(ramp()), jpeg_bytes(ramp()), tiff_bytes(metres)}) {
+    EXPECT_EQ(picture_size(folder.write("whole", whole)), cv::Size(8, 6));
+  }
+  EXPECT_EQ(picture_size(folder.write("bomb.png", png_head(30000, 30001))), cv::Size(30000, 30001));
+  EXPECT_EQ(picture_size(folder.write("words.png", "not a picture")), std::nullopt);
+  EXPECT_EQ(picture_size(folder.path() / "none.png"), std::nullopt);
+}
+
 TEST(PictureFile, IsUprightWhereGreyIsAsked) {
   const cv::Mat upright = decode_picture(turned_jpeg(1, false), PictureChannels::kGrey).pixels;
   ASSERT_EQ(upright.size(), cv::Size(8, 6));

@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/datasets/bop/numbered.h"
+
+#include <array>
+#include <charconv>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "eval/datasets/bop/layout.h"
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Those of the documentation first: a file of such a name is found at once.
+constexpr std::array kDigits = {6, 4, 8, 5, 3, 1, 2, 7, 9, 10};
+constexpr std::array kPictureEndings = {"png", "jpg", "jpeg", "tif", "tiff", "bmp",
+                                        "PNG", "JPG", "JPEG", "TIF", "TIFF", "BMP"};
+
+std::string joined(const std::vector<int>& numbers, int digits) {
+  std::string name;
+  for (const int number : numbers) {
+    name += fmt::format("{}{:0{}}", name.empty() ? "" : "_", number, digits);
+  }
+  return name;
+}
+
+}  // namespace
+
+int whole_number(const std::string& text) {
+  int value = -1;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc() && end == text.data() + text.size() && value >= 0) return value;
+  throw InputError(fmt::format("'{}' is no id", text.substr(0, 40)));
+}
+
+NumberedEntries::NumberedEntries(const Json& object) {
+  if (!object.is_object()) throw InputError("must be an object whose keys are numbers");
+  for (const auto& [key, entry] : object.items()) {
+    if (!entries_.emplace(whole_number(key), &entry).second) {
+      throw InputError(fmt::format("has {} twice", whole_number(key)));
+    }
+  }
+}
+
+const Json* NumberedEntries::find(int number) const {
+  const auto found = entries_.find(number);
+  return found == entries_.end() ? nullptr : found->second;
+}
+
+fs::path numbered_picture(const fs::path& folder, const std::vector<int>& numbers) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) return {};
+  for (const int digits : kDigits) {
+    const std::string name = joined(numbers, digits);
+    for (const char* ending : kPictureEndings) {
+      fs::path file = folder / (name + "." + ending);
+      if (fs::exists(file, error)) return file;
+    }
+  }
+  return {};
+}
+
+fs::path numbered_model(const fs::path& folder, int obj_id) {
+  for (const int digits : kDigits) {
+    for (const char* ending : {"ply", "PLY"}) {
+      fs::path file = folder / fmt::format("obj_{}.{}", joined({obj_id}, digits), ending);
+      if (fs::exists(file)) return file;
+    }
+  }
+  return folder / bop::model_file(obj_id);
+}
+
+fs::path numbered_scene(const fs::path& split, int scene_id) {
+  for (const int digits : kDigits) {
+    fs::path folder = split / joined({scene_id}, digits);
+    if (fs::is_directory(folder)) return folder;
+  }
+  return split / bop::scene_name(scene_id);
+}
+
+}  // namespace sightline
