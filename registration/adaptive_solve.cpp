@@ -6,15 +6,15 @@
 #include <array>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <opencv2/core.hpp>
+
+#include "registration/symmetric.h"
 
 namespace sightline {
 namespace {
 
-constexpr double kNu = 6;       // degrees of freedom of the pixels' noise
-constexpr double kBlockNu = 4;  // of the blocks' deviations
+constexpr double kNu = 6;            // degrees of freedom of the pixels' noise
+constexpr double kBlockNu = 4;       // of the blocks' deviations
 constexpr double kAlbedoUnit = 0.7;  // a usual albedo: deviations are of its grey
 constexpr double kLostWeight = 0.3;
 
@@ -22,8 +22,8 @@ using GramMatrix = Eigen::Matrix<double, kColumns, kColumns, Eigen::RowMajor>;
 
 // Which column a local deviation is of, and its unit.
 constexpr std::array<int, kLocals> kLocalColumns = {6, 7, 8, 9, 10, 13, 14};
-constexpr std::array<double, kLocals> kLocalUnits = {kAlbedoUnit, kAlbedoUnit, kAlbedoUnit,
-                                                     kAlbedoUnit, 1,           1, 1};
+constexpr std::array<double, kLocals> kLocalUnits = {
+    kAlbedoUnit, kAlbedoUnit, kAlbedoUnit, kAlbedoUnit, 1, 1, 1};
 
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -61,12 +61,12 @@ double outside_variance(const Learning& learning, int id) {
 // What the solution leaves of a block: its residuals and its deviations.
 struct BlockRest {
   std::vector<double> residuals;
-  Eigen::Matrix<double, kLocals, 1> deviations;
+  Eigen::VectorXd deviations;
 };
 
 BlockRest rest_of(const BlockRows& rows, const Block& block, const ReducedBlock& reduced_block,
                   const Unknowns& change) {
-  Eigen::Matrix<double, kUnknowns + 1, 1> of_columns;
+  Eigen::VectorXd of_columns(kUnknowns + 1);
   of_columns << -change, 1;
   BlockRest rest;
   rest.deviations = reduced_block.response * of_columns;
@@ -77,29 +77,29 @@ BlockRest rest_of(const BlockRows& rows, const Block& block, const ReducedBlock&
         rest.deviations[static_cast<int>(k)] / kLocalUnits[k];
   }
   rest.residuals.resize(static_cast<size_t>(block.stride));
-  combine_columns(rows.columns_of(block), block.stride, coefficients.data(),
-                  rest.residuals.data());
+  combine_columns(rows.columns_of(block), block.stride, coefficients.data(), rest.residuals.data());
   rest.residuals.resize(static_cast<size_t>(block.count));
   return rest;
 }
 
 // The square sizes of a block's deviations, their own doubt included.
 double inside_square(const BlockRest& rest, const ReducedBlock& block) {
-  return rest.deviations.head<kInsideLocals>().squaredNorm() +
-         block.covariance.diagonal().head<kInsideLocals>().sum();
+  return rest.deviations.head(kInsideLocals).squaredNorm() +
+         block.covariance.diagonal().head(kInsideLocals).sum();
 }
 
 double outside_square(const BlockRest& rest, const ReducedBlock& block) {
-  return rest.deviations.tail<kOutsideLocals>().squaredNorm() +
-         block.covariance.diagonal().tail<kOutsideLocals>().sum();
+  return rest.deviations.tail(kOutsideLocals).squaredNorm() +
+         block.covariance.diagonal().tail(kOutsideLocals).sum();
 }
 
 // -2 log of a block's part of the posterior, deviations integrated out.
 double deviation_cost(const BlockRest& rest, const ReducedBlock& block, double inside,
                       double outside) {
-  return rest.deviations.head<kInsideLocals>().squaredNorm() / inside +
-         rest.deviations.tail<kOutsideLocals>().squaredNorm() / outside + kInsideLocals * std::log(inside) +
-         kOutsideLocals * std::log(outside) - std::log(block.covariance.determinant());
+  return rest.deviations.head(kInsideLocals).squaredNorm() / inside +
+         rest.deviations.tail(kOutsideLocals).squaredNorm() / outside +
+         kInsideLocals * std::log(inside) + kOutsideLocals * std::log(outside) -
+         std::log(block.covariance.determinant());
 }
 
 void judge_fit(const BlockRows& rows, const Learning& learning, Solution& solution) {
@@ -164,12 +164,11 @@ Learning new_learning(const cv::Size& image, double pixel_variance) {
 
 ReducedBlock reduced(const double* gram, double inside_variance, double outside_variance) {
   const Eigen::Map<const GramMatrix> all(gram);
-  Eigen::Matrix<double, kLocals, kUnknowns + 1> cross;
-  Eigen::Matrix<double, kLocals, kLocals> own;
+  Eigen::MatrixXd cross(kLocals, kUnknowns + 1), own(kLocals, kLocals);
   for (int i = 0; i < kLocals; ++i) {
     const int column = kLocalColumns[static_cast<size_t>(i)];
     const double unit = kLocalUnits[static_cast<size_t>(i)];
-    cross.row(i) = all.row(column).head<kUnknowns + 1>() / unit;
+    cross.row(i) = all.row(column).head(kUnknowns + 1) / unit;
     for (int j = 0; j < kLocals; ++j) {
       own(i, j) = all(column, kLocalColumns[static_cast<size_t>(j)]) /
                   (unit * kLocalUnits[static_cast<size_t>(j)]);
@@ -177,10 +176,12 @@ ReducedBlock reduced(const double* gram, double inside_variance, double outside_
     own(i, i) += 1 / (i < kInsideLocals ? inside_variance : outside_variance);
   }
   ReducedBlock block;
-  block.covariance = own.llt().solve(Eigen::Matrix<double, kLocals, kLocals>::Identity());
+  const InverseAndDeterminant inverse = inverse_and_determinant(own);
+  block.covariance = inverse.inverse;
+  block.log_determinant = inverse.log_determinant;
   block.response = block.covariance * cross;
-  block.system =
-      all.topLeftCorner<kUnknowns + 1, kUnknowns + 1>() - cross.transpose() * block.response;
+  block.system = all.topLeftCorner(kUnknowns + 1, kUnknowns + 1);
+  block.system.noalias() -= cross.transpose() * block.response;
   return block;
 }
 
@@ -188,7 +189,7 @@ Solution solve_rows(const BlockRows& rows, const Learning& learning, const Prior
                     int image_width) {
   Solution solution;
   if (rows.blocks.empty()) return solution;
-  SystemMatrix sum = SystemMatrix::Zero();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kUnknowns + 1, kUnknowns + 1);
   std::array<double, kColumns * kColumns> gram{};
   for (const Block& block : rows.blocks) {
     const std::vector<double> weights = weights_of(rows, block, learning, image_width);
@@ -197,9 +198,8 @@ Solution solve_rows(const BlockRows& rows, const Learning& learning, const Prior
                                       outside_variance(learning, block.id)));
     sum += solution.blocks.back().system;
   }
-  solution.information = sum.topLeftCorner<kUnknowns, kUnknowns>() + prior.information;
-  const Unknowns right = sum.topRightCorner<kUnknowns, 1>() + prior.pull;
-  solution.change = solution.information.ldlt().solve(right);
+  solution.information = sum.topLeftCorner(kUnknowns, kUnknowns) + prior.information;
+  solution.change = solved(solution.information, sum.topRightCorner(kUnknowns, 1) + prior.pull);
   judge_fit(rows, learning, solution);
   return solution;
 }
@@ -211,8 +211,8 @@ void learn(const BlockRows& rows, const Solution& solution, int image_width, Lea
     const BlockRest rest = rest_of(rows, block, solution.blocks[b], solution.change);
     const double inside = learning.inside_sd * learning.inside_sd;
     const double outside = learning.outside_sd * learning.outside_sd;
-    learnt.inside = (kBlockNu + inside_square(rest, solution.blocks[b]) / inside) /
-                    (kBlockNu + kInsideLocals);
+    learnt.inside =
+        (kBlockNu + inside_square(rest, solution.blocks[b]) / inside) / (kBlockNu + kInsideLocals);
     learnt.outside = (kBlockNu + outside_square(rest, solution.blocks[b]) / outside) /
                      (kBlockNu + kOutsideLocals);
     learnt.noise = noise_excess(rest.residuals, learning.pixel_variance);

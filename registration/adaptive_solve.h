@@ -34,9 +34,11 @@ Learning new_learning(const cv::Size& image, double pixel_variance);
 
 /// A block without its local deviations.
 struct ReducedBlock {
-  SystemMatrix system;  ///< Z' W Z - Z' W B (B' W B + T^-1)^-1 B' W Z
-  Eigen::Matrix<double, kLocals, kUnknowns + 1> response;  ///< of the deviations to Z
-  Eigen::Matrix<double, kLocals, kLocals> covariance;      ///< of the deviations
+  Eigen::MatrixXd
+      system;  ///< of the unknowns and the residual: Z' W Z - Z' W B (B' W B + T^-1)^-1 B' W Z
+  Eigen::MatrixXd response;    ///< of the deviations to Z
+  Eigen::MatrixXd covariance;  ///< of the deviations
+  double log_determinant = 0;  ///< of the inverse of that
 };
 
 /// Marginalises a block's deviations: its light's by `inside_variance`, each of (albedo,
@@ -46,14 +48,14 @@ ReducedBlock reduced(const double* gram, double inside_variance, double outside_
 /// What is known of the unknowns besides the image: `information` about zero change, and `pull`,
 /// the information times what the change should be.
 struct PriorTerm {
-  UnknownsMatrix information = UnknownsMatrix::Zero();
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kUnknowns, kUnknowns);
   Unknowns pull = Unknowns::Zero();
 };
 
 /// One solution for the change of the unknowns, and how the image fits it.
 struct Solution {
   Unknowns change = Unknowns::Zero();
-  UnknownsMatrix information = UnknownsMatrix::Zero();
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kUnknowns, kUnknowns);
   std::vector<ReducedBlock> blocks;  ///< one a block of the rows
   int pixels = 0;
   double chi2 = 0;    ///< mean of the squared residuals over their variance, each at most 25

@@ -21,8 +21,7 @@ struct ModelRow {
   const cv::Vec3f* front_m;
 };
 
-ModelRow row_of(const GreyImage& image, const ModelView& view, const ModelPicture& picture,
-                int y) {
+ModelRow row_of(const GreyImage& image, const ModelView& view, const ModelPicture& picture, int y) {
   const int v = y - view.box.y;
   ModelRow row{};
   for (size_t k = 0; k < row.basis.size(); ++k) row.basis[k] = view.basis[k].ptr<float>(v);
@@ -117,8 +116,8 @@ std::vector<int> usable_pixels(const GreyImage& image, const ModelView& view, co
 double outline_in(const cv::Mat& outline, const cv::Rect& box, std::span<const int> pixels,
                   int width) {
   double sum = 0;
-  for (const int pixel : pixels) sum += outline.at<float>(pixel / width - box.y,
-                                                          pixel % width - box.x);
+  for (const int pixel : pixels)
+    sum += outline.at<float>(pixel / width - box.y, pixel % width - box.x);
   return sum;
 }
 
@@ -142,6 +141,9 @@ BlockRows block_rows(const GreyImage& image, const ModelView& view, const Pose& 
   const cv::Rect inner = view.box & cv::Rect(kRimPx, kRimPx, image.grey.cols - 2 * kRimPx,
                                              image.grey.rows - 2 * kRimPx);
   if (inner.empty()) return rows;
+  const auto most = static_cast<size_t>(cv::countNonZero(view.is_used));
+  rows.pixels.reserve(most);
+  rows.columns.reserve(most * kColumns * 5 / 4);  // padded
   for (int by = inner.y / kBlockPx; by * kBlockPx < inner.y + inner.height; ++by) {
     for (int bx = inner.x / kBlockPx; bx * kBlockPx < inner.x + inner.width; ++bx) {
       const cv::Rect square(bx * kBlockPx, by * kBlockPx, kBlockPx, kBlockPx);

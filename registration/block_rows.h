@@ -25,9 +25,6 @@ inline constexpr int kOutsideLocals = 3;
 inline constexpr int kLocals = kInsideLocals + kOutsideLocals;
 
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
-using UnknownsMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
-/// The unknowns' columns and the residual's.
-using SystemMatrix = Eigen::Matrix<double, kUnknowns + 1, kUnknowns + 1>;
 
 /// The pixels of one square of the image that are compared, linearised about a model. Its columns
 /// are the derivatives of the model by the unknowns, then the residual image - model, then the two
@@ -49,9 +46,7 @@ struct BlockRows {
   int clipped = 0;          ///< pixels near the target that are left out since they are saturated
   double outline_px = 0;    ///< length of outline among the pixels in use
 
-  const double* columns_of(const Block& block) const {
-    return columns.data() + block.first_column;
-  }
+  const double* columns_of(const Block& block) const { return columns.data() + block.first_column; }
   std::span<const int> pixels_of(const Block& block) const {
     return {pixels.data() + block.first_pixel, static_cast<size_t>(block.count)};
   }

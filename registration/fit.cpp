@@ -5,12 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "registration/covariance.h"
+#include "registration/symmetric.h"
 
 namespace sightline {
 namespace {
@@ -18,12 +16,9 @@ namespace {
 constexpr double kLeastBlurVariance = 0.05, kMostBlurVariance = 9;  // px^2
 constexpr double kLeastDrawnBlurVariance = 0.04;
 
-GreyImage blurred_image(const GreyImage& image, double sigma_px) {
-  if (sigma_px <= 0) return image;
-  GreyImage out = image;
-  out.grey = cv::Mat();  // not the memory of the sharp one
-  cv::GaussianBlur(image.grey, out.grey, {0, 0}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
-  return out;
+GreyImage blurred_image(GreyImage image, double sigma_px) {
+  image.grey = blurred(image.grey, sigma_px);
+  return image;
 }
 
 // The prior's information; of what is known exactly almost so.
@@ -33,7 +28,8 @@ Matrix6d information_of(const PosePrior& prior) {
   Matrix6d covariance = prior.covariance;
   covariance.diagonal().head<3>().array() += kExactRad * kExactRad;
   covariance.diagonal().tail<3>().array() += exact_m * exact_m;
-  return covariance.inverse();
+  const auto information = inverse_of(covariance);
+  return information ? Matrix6d(*information) : Matrix6d(Matrix6d::Zero());
 }
 
 }  // namespace
@@ -66,8 +62,8 @@ Fitter::Fitter(const Mesh& mesh, const PosePrior& prior, double noise_variance,
 
 std::optional<Fitter::Step> Fitter::linearise(const FitLevel& level, BasisDrawer& drawer,
                                               int samples) {
-  const double own = std::max(kLeastDrawnBlurVariance, state_.blur_variance_px2) /
-                     (level.factor * level.factor);
+  const double own =
+      std::max(kLeastDrawnBlurVariance, state_.blur_variance_px2) / (level.factor * level.factor);
   const double blur_px = std::sqrt(own + level.blur_px * level.blur_px);
   BasisOptions basis;
   basis.samples_per_pixel = samples;
@@ -79,9 +75,9 @@ std::optional<Fitter::Step> Fitter::linearise(const FitLevel& level, BasisDrawer
   const auto region = level.is_sharp() ? options_.region : RegistrationRegion::kImage;
   const ModelView view = model_view(*images, blur_px, region);
   if (!state_.light) fit_first_light(level.image, view);
-  return Step{block_rows(level.image, view, state_.cam_from_target, *state_.light,
-                         level.is_sharp()),
-              *state_.light};
+  return Step{
+      block_rows(level.image, view, state_.cam_from_target, *state_.light, level.is_sharp()),
+      *state_.light};
 }
 
 // Least squares, with a weak belief in a light from the camera.
@@ -89,7 +85,7 @@ void Fitter::fit_first_light(const GreyImage& image, const ModelView& view) {
   const LightVector usual(76, 0, 0, -120, 38);
   constexpr double kWeight = 0.05;  // of the belief, over the image's word on the glow
   constexpr double kWeightOfBackground = 0.001;
-  Eigen::Matrix<double, 5, 5> gram = Eigen::Matrix<double, 5, 5>::Zero();
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(5, 5);
   LightVector right = LightVector::Zero();
   for (int y = 0; y < view.box.height; ++y) {
     const float* const grey = image.grey.ptr<float>(y + view.box.y) + view.box.x;
@@ -103,7 +99,7 @@ void Fitter::fit_first_light(const GreyImage& image, const ModelView& view) {
   LightVector belief = LightVector::Constant(kWeight * gram(0, 0));
   belief[4] *= kWeightOfBackground;
   gram.diagonal() += belief;
-  state_.light = gram.ldlt().solve(right + belief.cwiseProduct(usual));
+  state_.light = LightVector(solved(gram, right + belief.cwiseProduct(usual)));
 }
 
 PriorTerm Fitter::prior_term(bool is_sharp) const {
@@ -113,7 +109,7 @@ PriorTerm Fitter::prior_term(bool is_sharp) const {
                                 prior_.cam_from_target.rotation.transpose()),
       state_.cam_from_target.translation - prior_.cam_from_target.translation;
   PriorTerm term;
-  term.information.topLeftCorner<6, 6>() = prior_information_;
+  term.information.topLeftCorner(6, 6) = prior_information_;
   term.pull.head<6>() = -prior_information_ * error;
   for (int i = 0; i < 4; ++i) {
     term.information(kLightAt + i, kLightAt + i) = 1 / (kLightSd * kLightSd);
@@ -161,7 +157,8 @@ bool Fitter::fit_sharp(const FitLevel& level, Registration& out) {
   constexpr int kRounds = 2;  // solutions of one linearisation, each with better weights
   BasisDrawer drawer(mesh_, level.image.camera);
   const cv::Size size = level.image.grey.size();
-  Learning learning = new_learning(size, noise_variance_);
+  Learning& learning = learning_;
+  learning = new_learning(size, noise_variance_);
   for (int i = 0; i < level.most_steps; ++i) {
     const auto step = linearise(level, drawer, level.samples);
     if (!step || step->rows.blocks.empty()) return false;
@@ -189,6 +186,38 @@ bool Fitter::fit_sharp(const FitLevel& level, Registration& out) {
   return false;
 }
 
+// What the camera's calibration may be off moves the pose: by how much, the same image says before
+// a camera that is off by one sd.
+Matrix6d Fitter::camera_term(const FitLevel& level) {
+  const CameraErrors& errors = options_.camera_errors;
+  Matrix6d sum = Matrix6d::Zero();
+  const auto change_before = [&](const Camera& camera) -> std::optional<Vector6d> {
+    FitLevel seen = level;
+    seen.image.camera = camera;
+    BasisDrawer drawer(mesh_, camera);
+    const auto step = linearise(seen, drawer, level.samples);
+    if (!step || step->rows.blocks.empty()) return std::nullopt;
+    const int width = level.image.grey.cols;
+    return Vector6d(solve_rows(step->rows, learning_, prior_term(true), width).change.head<6>());
+  };
+  const auto own = change_before(level.image.camera);
+  const auto add = [&](double sd, auto move) {
+    if (sd == 0 || !own) return;
+    Camera camera = level.image.camera;
+    move(camera, sd);
+    const auto change = change_before(camera);
+    if (change) sum += (*change - *own) * (*change - *own).transpose();
+  };
+  add(errors.focal_fraction, [](Camera& camera, double sd) {
+    camera.fx_px *= 1 + sd;
+    camera.fy_px *= 1 + sd;
+  });
+  add(errors.principal_point_px, [](Camera& camera, double sd) { camera.cx_px += sd; });
+  add(errors.principal_point_px, [](Camera& camera, double sd) { camera.cy_px += sd; });
+  add(errors.k1, [](Camera& camera, double sd) { camera.distortion.k1 += sd; });
+  return sum;
+}
+
 Registration Fitter::fit(const std::vector<FitLevel>& levels, const Pose& start) {
   state_ = {start, std::nullopt, options_.blur_px * options_.blur_px};
   drawings_ = 0;
@@ -198,6 +227,7 @@ Registration Fitter::fit(const std::vector<FitLevel>& levels, const Pose& start)
     const bool is_fitted = level.is_sharp() ? fit_sharp(level, out) : fit_blurred(level);
     if (!is_fitted) return out;
   }
+  if (!options_.camera_errors.is_none()) out.covariance += camera_term(levels.back());
   out.status = RegistrationStatus::kOk;
   out.cam_from_target = state_.cam_from_target;
   out.light = *state_.light;

@@ -16,7 +16,7 @@ struct FitLevel {
   int factor = 1;      ///< how much smaller than the whole
   double blur_px = 0;  ///< of the image, besides its own; 0: the sharp image
   int most_steps = 6;
-  int samples = 16;    ///< of a pixel of the model
+  int samples = 16;  ///< of a pixel of the model
 
   bool is_sharp() const { return blur_px == 0; }
 };
@@ -48,6 +48,7 @@ class Fitter {
   bool fit_sharp(const FitLevel& level, Registration& out);
   PriorTerm prior_term(bool is_sharp) const;
   double apply(const Unknowns& change, bool is_sharp);
+  Matrix6d camera_term(const FitLevel& level);
   void fit_first_light(const GreyImage& image, const ModelView& view);
 
   const Mesh& mesh_;
@@ -57,6 +58,7 @@ class Fitter {
   const RegistrationOptions& options_;
   double radius_m_;
   FitState state_;
+  Learning learning_;  // of the sharp image
   int drawings_ = 0;
 };
 

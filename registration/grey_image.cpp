@@ -54,6 +54,15 @@ GreyImage shrunk(const GreyImage& image, int factor) {
   return out;
 }
 
+cv::Mat blurred(const cv::Mat& image, double sigma_px) {
+  constexpr double kNegligible = 0.02;
+  if (sigma_px < kNegligible) return image.clone();
+  const int size = 2 * static_cast<int>(std::ceil(4 * sigma_px)) + 1;
+  cv::Mat out;
+  cv::GaussianBlur(image, out, {size, size}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
+  return out;
+}
+
 double estimated_noise_sd(const cv::Mat& grey) {
   constexpr double kLeast = 0.3;
   constexpr double kNormalMedian = 0.6745;  // of the absolute value, unit standard deviation

@@ -23,6 +23,9 @@ GreyImage grey_image(const cv::Mat& image, double white, bool is_srgb, const Cam
 /// that sees it so. What is left over at the right and the bottom is dropped.
 GreyImage shrunk(const GreyImage& image, int factor);
 
+/// A CV_32F image blurred as the sensor blurs light: cut at 4 sd, continued over the border.
+cv::Mat blurred(const cv::Mat& image, double sigma_px);
+
 /// The standard deviation of the image's noise, grey levels: the median size of what a filter
 /// leaves that removes planes (Immerkaer, Computer Vision and Image Understanding 64(2), 1996, who
 /// takes the mean, which edges and texture raise). At least 0.3, that of rounding.

@@ -8,21 +8,13 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "registration/grey_image.h"
+
 namespace sightline {
 namespace {
 
-constexpr double kBandPx = 3.5;          // half the width of the band along the outline
-constexpr float kDepthJump = 3e-4F;      // of the depth: more than a surface falls in a pixel
-constexpr double kNegligibleBlur = 0.02;  // px
-
-cv::Mat blurred(const cv::Mat& image, double sigma_px) {
-  if (sigma_px < kNegligibleBlur) return image.clone();
-  // As the sensor cuts and continues: 4 sigma leave 6e-5 of the light out.
-  const int size = 2 * static_cast<int>(std::ceil(4 * sigma_px)) + 1;
-  cv::Mat out;
-  cv::GaussianBlur(image, out, {size, size}, sigma_px, sigma_px, cv::BORDER_REPLICATE);
-  return out;
-}
+constexpr double kBandPx = 3.5;      // half the width of the band along the outline
+constexpr float kDepthJump = 3e-4F;  // of the depth: more than a surface falls in a pixel
 
 // Of pixels that see the target, the nearest surface of their neighbourhood where depth jumps.
 cv::Mat nearest_at_jumps(const cv::Mat& front_m) {
@@ -74,29 +66,16 @@ cv::Mat continue_outwards(int reach, cv::Mat& front_m) {
   return distance;
 }
 
-cv::Mat outline_band(const cv::Mat& coverage) {
-  const cv::Mat is_target = coverage > 0.5;
-  const int side = 2 * static_cast<int>(std::lround(kBandPx)) + 1;
-  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side});
-  cv::Mat grown, shrunken;
-  cv::dilate(is_target, grown, disc);
-  // The target goes on where the image ends: that is no outline.
-  cv::erode(is_target, shrunken, disc);
-  return grown & ~shrunken;
-}
-
 // A field's sixth-order differences.
 const cv::Mat& difference_kernel() {
   static const cv::Mat kernel =
-      (cv::Mat_<float>(1, 7) << -1 / 60.F, 9 / 60.F, -45 / 60.F, 0, 45 / 60.F, -9 / 60.F,
-       1 / 60.F);
+      (cv::Mat_<float>(1, 7) << -1 / 60.F, 9 / 60.F, -45 / 60.F, 0, 45 / 60.F, -9 / 60.F, 1 / 60.F);
   return kernel;
 }
 
 const cv::Mat& second_difference_kernel() {
-  static const cv::Mat kernel =
-      (cv::Mat_<float>(1, 7) << 2 / 180.F, -27 / 180.F, 270 / 180.F, -490 / 180.F, 270 / 180.F,
-       -27 / 180.F, 2 / 180.F);
+  static const cv::Mat kernel = (cv::Mat_<float>(1, 7) << 2 / 180.F, -27 / 180.F, 270 / 180.F,
+                                 -490 / 180.F, 270 / 180.F, -27 / 180.F, 2 / 180.F);
   return kernel;
 }
 
@@ -117,6 +96,17 @@ cv::Mat outline_of(const cv::Mat& background) {
 }
 
 }  // namespace
+
+cv::Mat outline_band(const cv::Mat& coverage) {
+  const cv::Mat is_target = coverage > 0.5;
+  const int side = 2 * static_cast<int>(std::lround(kBandPx)) + 1;
+  const cv::Mat disc = cv::getStructuringElement(cv::MORPH_ELLIPSE, {side, side});
+  cv::Mat grown, shrunken;
+  cv::dilate(is_target, grown, disc);
+  // The target goes on where the image ends: that is no outline.
+  cv::erode(is_target, shrunken, disc);
+  return grown & ~shrunken;
+}
 
 int reach_px(double blur_px) {
   return static_cast<int>(std::ceil(3 * blur_px + 1.5));

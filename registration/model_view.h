@@ -43,6 +43,9 @@ struct ModelPicture {
 /// Blurs basis images by `blur_px`. `region` says what is used; kOutline is for sharp images.
 ModelView model_view(const BasisImages& images, double blur_px, RegistrationRegion region);
 
+/// CV_8U, not 0 within 3.5 px of the outline of what is covered.
+cv::Mat outline_band(const cv::Mat& coverage);
+
 /// How far around the target pixels are used at that blur.
 int reach_px(double blur_px);
 

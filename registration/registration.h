@@ -27,13 +27,23 @@ enum class RegistrationStatus {
 /// The name that files give to a status.
 std::string_view to_string(RegistrationStatus status);
 
+/// Standard deviations of a camera's calibration, independent of each other.
+struct CameraErrors {
+  double focal_fraction = 0;      ///< of fx and fy, which err together
+  double principal_point_px = 0;  ///< of cx and of cy
+  double k1 = 0;                  ///< of the lens' first coefficient
+
+  bool is_none() const { return focal_fraction == 0 && principal_point_px == 0 && k1 == 0; }
+};
+
 struct RegistrationOptions {
   RegistrationRegion region = RegistrationRegion::kImage;
   /// Standard deviation of the image's noise, grey levels of 255; none: it is estimated.
   std::optional<double> noise_sd_grey;
   int bits = 8;  ///< of the image, for what rounding adds to the noise
   bool is_srgb = false;
-  double blur_px = 1;  ///< the point spread to begin with; it is estimated
+  double blur_px = 1;            ///< the point spread to begin with; it is estimated
+  CameraErrors camera_errors{};  ///< carried into the covariance
   /// Whether other starts are tried where the image does not look like the model.
   bool tries_again = true;
 };
@@ -58,12 +68,12 @@ struct Registration {
   LightVector light = LightVector::Zero();
   double blur_px = 0;
   double noise_sd_grey = 0;
-  double chi2 = 0;           ///< mean square of the residuals over their variance
-  double lost = 0;           ///< share of the pixels that the model does not explain
+  double chi2 = 0;            ///< mean square of the residuals over their variance
+  double lost = 0;            ///< share of the pixels that the model does not explain
   double cluster_factor = 0;  ///< of the covariance: what neighbouring blocks err together
-  double cost = 0;           ///< -2 log posterior, to compare poses of one image
+  double cost = 0;            ///< -2 log posterior, to compare poses of one image
   double inside_sd = 0, outside_sd = 0;  ///< of the blocks' own light and background
-  int drawings = 0;          ///< of the mesh
+  int drawings = 0;                      ///< of the mesh
   int starts = 0;
 
   bool is_ok() const { return status == RegistrationStatus::kOk; }

@@ -45,8 +45,7 @@ class BasisDrawer::PixelSums {
   // The pixel (x, y) of the image into the place `at` (column, row) of the images.
   void add(int x, int y, const uint32_t* ids, const cv::Point& at, BasisImages& images) {
     Eigen::Vector2d centre = screen_.normalised({static_cast<double>(x), static_cast<double>(y)});
-    Eigen::Matrix2d per_pixel =
-        Eigen::Vector2d(1 / camera_.fx_px, 1 / camera_.fy_px).asDiagonal();
+    Eigen::Matrix2d per_pixel = Eigen::Vector2d(1 / camera_.fx_px, 1 / camera_.fy_px).asDiagonal();
     if (!camera_.distortion.is_zero()) per_pixel *= lens_jacobian(camera_, centre).inverse();
     count(ids);
     int covered = 0;
@@ -110,8 +109,7 @@ class BasisDrawer::PixelSums {
   // The unit shading normal in the mesh's frame; zero where it is turned away from the light. The
   // inside of an open mesh is lit as a sheet of paper is, as the renderer does.
   Eigen::Vector3d lit_normal(const SurfacePoint& point) const {
-    const auto& corners =
-        hits_.body().mesh->triangles[static_cast<size_t>(point.triangle)].normal;
+    const auto& corners = hits_.body().mesh->triangles[static_cast<size_t>(point.triangle)].normal;
     Eigen::Vector3d normal = point.weights[0] * corners[0] + point.weights[1] * corners[1] +
                              point.weights[2] * corners[2];
     if (!point.is_front) normal = -normal;

@@ -19,6 +19,7 @@ void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_align(app, exit_code);
   add_list(app);
   add_target(app);
+  add_bound(app);
   add_doctor(app);
 }
 

@@ -102,7 +102,8 @@ EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const st
       problem.true_inliers.push_back(!record.observations()[slot].is_outlier);
     }
   }
-  const SolverAnswer answer = solver.solve({problem, study.solving.options, features, found.trial});
+  const SolverAnswer answer = solver.solve({problem, study.solving.options, features, found.trial,
+                                            found.image ? &*found.image : nullptr});
   const PoseEstimate& estimate = answer.estimate;
   EstimateRecord out;
   out.solver = name;
@@ -122,7 +123,7 @@ EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const st
   out.add_m = errors.add;
   out.mssd_m = errors.mssd;
   out.mspd_px = errors.mspd_px;
-  judge_removals(record, found, estimate, out);
+  if (!solver.looks_at_image) judge_removals(record, found, estimate, out);
   out.covariance = reported_covariance(problem, estimate);
   if (out.covariance) out.nees = nees_of(pose, truth, *out.covariance);
   if (estimate.diagnosis) keep_diagnosis(*estimate.diagnosis, out);

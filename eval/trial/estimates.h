@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "eval/doors/registration_solver.h"
 #include "eval/records/records.h"
 #include "eval/study/study.h"
 
@@ -15,6 +17,7 @@ struct FoundPoints {
   PoseProblem problem;
   std::vector<int> slots;  ///< point -> index into the trial's observations
   TrialName trial;
+  std::optional<QuestionImage> image;  ///< that they are of; none of a numeric study
 };
 
 /// What each solver of the study makes of the points, against the truth in the trial's record. Only

@@ -46,6 +46,7 @@ void add_align(CLI::App& app, int& exit_code);
 
 void add_list(CLI::App& app);
 void add_target(CLI::App& app);
+void add_bound(CLI::App& app);
 void add_doctor(CLI::App& app);
 
 }  // namespace sightline
