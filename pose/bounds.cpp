@@ -78,8 +78,12 @@ std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
   const std::optional<Matrix6d> covariance = inverse_information(*sum);
   if (!covariance) return std::nullopt;
 
+  return pose_bound(covariance_from_centred(*covariance, cam_from_centred, c), cam_from_target);
+}
+
+PoseBound pose_bound(const Matrix6d& covariance, const Pose& cam_from_target) {
   PoseBound bound;
-  bound.covariance = covariance_from_centred(*covariance, cam_from_centred, c);
+  bound.covariance = covariance;
   const Eigen::Matrix3d w_covariance = bound.covariance.topLeftCorner<3, 3>();
   bound.geodesic_rms_rad = std::sqrt(w_covariance.trace());
   bound.attitude_rms_rad = attitude_rms(cam_from_target.rotation, w_covariance);

@@ -19,6 +19,9 @@ struct PoseBound {
   double translation_rms;   ///< the bound of T_error, a fraction of the imaging distance
 };
 
+/// What a covariance of the pose says of its errors.
+PoseBound pose_bound(const Matrix6d& covariance, const Pose& cam_from_target);
+
 /// The bound for independent Gaussian noise of covariance `covariances_px2[i]` on point i's pixel:
 /// (sum J_i^T C_i^-1 J_i)^-1, J_i the Jacobian of the pixel, lens included. It is proportional to
 /// the noise. None when the points do not determine a pose, one is not in front of the camera, the

@@ -28,8 +28,9 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
     {"scenes", {"scenes", "pose"}},
     {"renderer", {"renderer", "scenes", "pose"}},
     {"features", {"features", "scenes", "pose"}},
-    {"eval", {"eval", "features", "renderer", "scenes", "pose"}},
-    {"python", {"python", "eval", "features", "renderer", "scenes", "pose"}},
+    {"registration", {"registration", "features", "renderer", "scenes", "pose"}},
+    {"eval", {"eval", "registration", "features", "renderer", "scenes", "pose"}},
+    {"python", {"python", "eval", "registration", "features", "renderer", "scenes", "pose"}},
 };
 
 /// The rooms within a folder and which other rooms of the folder each may include.
@@ -49,7 +50,7 @@ const Rooms kEvalRooms = {
     {"report",
      {"output", "records", "statistics", "study", "summary", "tables", "target", "trial"}},
     {"tables", {"output", "study", "summary"}},
-    {"target", {"output", "statistics"}},
+    {"target", {"output", "statistics", "study"}},
     {"summary", {"records", "statistics", "study"}},
     {"results", {"output", "records", "study"}},
     {"trial", {"datasets", "doors", "metrics", "records", "statistics", "study"}},

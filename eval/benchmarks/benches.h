@@ -18,5 +18,6 @@ Comparison register_render();
 /// These compare with nothing.
 void register_pipeline();
 void register_door();
+void register_registration();
 
 }  // namespace sightline

@@ -15,6 +15,7 @@
 namespace sightline {
 
 class ExternalProcess;
+struct QuestionImage;
 
 /// What a solver is asked in one trial.
 struct SolverQuestion {
@@ -22,6 +23,8 @@ struct SolverQuestion {
   const SolverOptions& options;
   const std::vector<std::string>& features;  ///< the name of each point
   TrialName trial;
+  /// The image that the points are of; null where there is none.
+  const QuestionImage* image = nullptr;
 };
 
 /// What it answers: with outcome kOk a pose, otherwise why there is none.
@@ -41,6 +44,8 @@ struct TrialSolver {
   /// Its estimates were made before, from the images as they are, so that it cannot be asked again
   /// with other points.
   bool is_recorded = false;
+  /// Looks at the image itself: the points tell it at most where to begin, and it removes none.
+  bool looks_at_image = false;
   /// That answers; null: none does. Only a run may ask it (eval/doors/external_process.h).
   std::shared_ptr<ExternalProcess> process = nullptr;
   std::function<SolverAnswer(const SolverQuestion&)> solve;

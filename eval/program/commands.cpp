@@ -21,6 +21,7 @@ void add_commands(CLI::App& app, const std::string& command, int& exit_code) {
   add_coverage(app);
   add_list(app);
   add_target(app);
+  add_bound(app);
   add_doctor(app);
   add_manual(app);
   add_completions(app);

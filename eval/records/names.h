@@ -66,12 +66,36 @@ enum class EstimateOutcome {
   kGarbled,      ///< its answer is none by the protocol
   kRaisedError,  ///< it says that it failed
   kNoTruth,      ///< of a data set: what it gives as the true pose is none
+  // Of the registration: see RegistrationStatus.
+  kTargetOutside,
+  kTargetTooSmall,
+  kTargetSaturated,
+  kNotTrusted,
 };
-inline constexpr std::array<std::string_view, 20> kEstimateOutcomes = {
-    "ok",         "too_few_points",     "degenerate",        "behind_camera",   "diverged",
-    "not_finite", "bad_weights",        "reflection",        "not_converged",   "not imaged",
-    "no prior",   "picture unreadable", "mask unreadable",   "no estimate",     "not rigid",
-    "timed out",  "process ended",      "answer unreadable", "raised an error", "no true pose"};
+inline constexpr std::array<std::string_view, 24> kEstimateOutcomes = {"ok",
+                                                                       "too_few_points",
+                                                                       "degenerate",
+                                                                       "behind_camera",
+                                                                       "diverged",
+                                                                       "not_finite",
+                                                                       "bad_weights",
+                                                                       "reflection",
+                                                                       "not_converged",
+                                                                       "not imaged",
+                                                                       "no prior",
+                                                                       "picture unreadable",
+                                                                       "mask unreadable",
+                                                                       "no estimate",
+                                                                       "not rigid",
+                                                                       "timed out",
+                                                                       "process ended",
+                                                                       "answer unreadable",
+                                                                       "raised an error",
+                                                                       "no true pose",
+                                                                       "target outside",
+                                                                       "target too small",
+                                                                       "target saturated",
+                                                                       "not trusted"};
 
 /// What an observation is, held against the truth. Tables list labels in this order.
 enum class ObservationLabel {
@@ -101,7 +125,7 @@ constexpr std::span<const std::string_view> names_of(ObservationLabel) {
 }
 
 static_assert(kObservationOutcomes.size() == static_cast<size_t>(ObservationOutcome::kMissing) + 1);
-static_assert(kEstimateOutcomes.size() == static_cast<size_t>(EstimateOutcome::kNoTruth) + 1);
+static_assert(kEstimateOutcomes.size() == static_cast<size_t>(EstimateOutcome::kNotTrusted) + 1);
 static_assert(kObservationLabels.size() == static_cast<size_t>(ObservationLabel::kPlanted) + 1);
 
 /// An enum of this file.

@@ -89,6 +89,19 @@ std::vector<Key> corner_keys(CornerOptions& corner) {
 
 }  // namespace
 
+Key registration_key(RegistrationUse& use) {
+  return {"extraction",
+          "registration",
+          choice(use, {{"off", RegistrationUse::kOff},
+                       {"image", RegistrationUse::kImage},
+                       {"outline", RegistrationUse::kOutline},
+                       {"both", RegistrationUse::kBoth}}),
+          {},
+          "",
+          "whether the mesh is laid on the image too, as the estimators registration_image and "
+          "registration_outline beside the solvers"};
+}
+
 std::vector<Key> extraction_keys(ImageSetup& setup, double& bias_mesh_fraction) {
   ExtractorOptions& options = setup.extractor_options;
   ExtractorChoice& extractors = setup.extractors;
@@ -132,6 +145,44 @@ std::vector<Key> extraction_keys(ImageSetup& setup, double& bias_mesh_fraction) 
        {1, 100},
        "%",
        "triangles that are left of the mesh for that rendering"},
+      registration_key(setup.registration.use),
+      {"extraction",
+       "registration_start",
+       choice(setup.registration.start,
+              {{"features", RegistrationStart::kFeatures}, {"prior", RegistrationStart::kPrior}}),
+       {},
+       "",
+       "where the registration begins: at the pose of the features found, or at the prior"},
+      {"extraction",
+       "registration_mesh_percent",
+       Percent{&setup.registration.mesh_fraction},
+       {1, 100},
+       "%",
+       "triangles that are left of the mesh that is laid on the image"},
+      {"extraction",
+       "registration_albedos",
+       choice(setup.registration.knows_albedos, {{"known", true}, {"unknown", false}}),
+       {},
+       "",
+       "whether that mesh has the albedos of the target's parts, or is of one albedo"},
+      {"extraction",
+       "registration_focal_sd_percent",
+       Percent{&setup.registration.focal_sd_fraction},
+       {0, 100},
+       "%",
+       "how far the focal length may be off, which the registration's covariance then bears"},
+      {"extraction",
+       "registration_principal_point_sd_px",
+       &setup.registration.principal_point_sd_px,
+       {0, 1000},
+       "px",
+       "the same of the principal point, in u and in v"},
+      {"extraction",
+       "registration_k1_sd",
+       &setup.registration.distortion_sd,
+       {0, 1},
+       "",
+       "the same of the lens' coefficient k1"},
       {.table = "extraction",
        .name = "noise_sd_grey",
        .value = &options.search.noise_sd_grey,

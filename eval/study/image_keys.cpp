@@ -4,9 +4,12 @@
 // The keys of a study of images: scene, extraction, and what of them is swept.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
+#include "eval/doors/image_bound_solver.h"
+#include "eval/doors/registration_solver.h"
 #include "eval/study/key_tables.h"
 #include "eval/study/study_keys.h"
 #include "eval/study/sweep_keys.h"
@@ -58,6 +61,13 @@ void read_extraction(const TomlTable& file, bool is_noise_known, ImageSetup& set
   read_key(file.table("extraction").table("lines"),
            find_key(extraction_keys(setup, mesh_fraction), "canny_low"));
   read_keys(file, extraction_keys(setup, mesh_fraction));
+  const bool is_noise_given = file.table("extraction").has("noise_sd_grey");
+  if (is_noise_known || is_noise_given) {
+    setup.registration.noise_sd_grey = setup.extractor_options.search.noise_sd_grey;
+  }
+  if (setup.registration.use != RegistrationUse::kOff) {
+    setup.registration.mesh = registration_mesh(setup.scene.target, setup.registration);
+  }
   if (setup.bias_removal != BiasRemoval::kOff) {
     setup.bias_target = decimated(setup.scene.target, mesh_fraction);
   }
@@ -237,6 +247,32 @@ void read_setups(const TomlTable& table, ImageStudy& study, Study& common,
   }
 }
 
+// The guests, the registrations that [extraction] asks for, and the image's own bounds.
+std::vector<TrialSolver> solvers_beside(const TomlTable& table, uint64_t seed,
+                                        std::vector<TrialSolver> guests) {
+  RegistrationUse use = RegistrationUse::kOff;
+  read_key(table.table("extraction"), registration_key(use));
+  for (TrialSolver& solver : registration_solvers(use)) guests.push_back(std::move(solver));
+  bool has_image_bound = false;
+  read_keys(table, bound_keys(has_image_bound));
+  if (has_image_bound && table.has("dataset")) {
+    table.table("bound").fail("image", "needs rendered images: nobody knows a data set's light");
+  }
+  if (has_image_bound) {
+    for (TrialSolver& bound : image_bound_solvers(seed)) guests.push_back(std::move(bound));
+  }
+  return guests;
+}
+
+// Every cell has the same solvers.
+void require_one_registration(const TomlTable& table, const ImageStudy& study) {
+  for (const ImageSetup& setup : study.setups) {
+    if (setup.registration.use == study.setups.front().registration.use) continue;
+    table.table("sweep").fail("extraction.registration",
+                              "cannot be swept: \"both\" has both in every cell");
+  }
+}
+
 }  // namespace
 
 ImageStudy read_image_study(const TomlTable& table, Use use, Study& common, const Guests& guests) {
@@ -253,10 +289,12 @@ ImageStudy read_image_study(const TomlTable& table, Use use, Study& common, cons
   }
   if (use == Use::kTrials || table.has("solvers") || table.table("external").has("solver")) {
     const SightedSet* const set = study.sighted ? study.sighted->set.get() : nullptr;
-    study.solving = read_solving(table, "prior", read_guest_solvers(table, set, guests.solvers));
+    study.solving = read_solving(
+        table, "prior", solvers_beside(table, common.seed, read_guest_solvers(table, set, guests.solvers)));
   }
   GuestExtractors extractors(table, guests.extractors);
   read_setups(table, study, common, extractors);
+  require_one_registration(table, study);
   read_setup(table, study);  // the keys as they stand are checked, though all be swept
   for (size_t i = 0; i < study.pose_law().t_m.size(); ++i) {
     read_paper_figures(table.table("poses").tables("fixed")[i].table("paper"));

@@ -360,6 +360,7 @@ std::vector<Key> axis_keys() {
 std::vector<KeyText> study_keys() {
   ImageSetup setup;
   setup.extractors = default_extractors();
+  bool has_image_bound = false;
   double bias_mesh_fraction = kBiasMeshFraction;
   Start start = Start::kPrior;
   SolverOptions options;
@@ -377,10 +378,10 @@ std::vector<KeyText> study_keys() {
   std::vector<KeyText> all;
   for (const std::vector<Key>& keys :
        {described_keys(), point_keys(pairs), dataset_keys(source, bits), keys_of(setup.prior),
-        extraction_keys(setup, bias_mesh_fraction), solver_keys(start, options),
-        sigma_keys(is_sigma_known), scale_keys(estimates_scale), keys_of(planted), axis_keys(),
-        limit_keys(limits), keys_of(observations), keys_of(estimates), keys_of(solver_process),
-        keys_of(extractor_process)}) {
+        extraction_keys(setup, bias_mesh_fraction), bound_keys(has_image_bound),
+        solver_keys(start, options), sigma_keys(is_sigma_known), scale_keys(estimates_scale),
+        keys_of(planted), axis_keys(), limit_keys(limits), keys_of(observations),
+        keys_of(estimates), keys_of(solver_process), keys_of(extractor_process)}) {
     for (KeyText& text : texts_of(keys, "")) all.push_back(std::move(text));
   }
   return all;

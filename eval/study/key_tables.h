@@ -24,6 +24,12 @@ inline constexpr double kBiasMeshFraction = 0.5;
 /// left of the mesh's triangles for the removal of bias.
 std::vector<Key> extraction_keys(ImageSetup& setup, double& bias_mesh_fraction);
 
+/// extraction.registration, which says which solvers a study has.
+Key registration_key(RegistrationUse& use);
+
+/// [bound].
+std::vector<Key> bound_keys(bool& has_image_bound);
+
 /// The extractors of a study that names none.
 ExtractorChoice default_extractors();
 

@@ -18,7 +18,7 @@ std::string name_with(std::string_view solver, PoseInput input) {
 }
 
 bool can_be_given_inputs(const TrialSolver& solver) {
-  return !solver.evaluation_only && !solver.is_recorded;
+  return !solver.evaluation_only && !solver.is_recorded && !solver.looks_at_image;
 }
 
 std::vector<std::string> Solving::names() const {

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "eval/datasets/sightings.h"
+#include "eval/doors/registration_setup.h"
 #include "eval/doors/trial_extractor.h"
 #include "eval/doors/trial_solver.h"
 #include "eval/study/label_limits.h"
@@ -113,6 +114,7 @@ struct ImageSetup {
   BiasRemoval bias_removal = BiasRemoval::kOff;
   /// What is rendered for it; null where it is off.
   std::shared_ptr<const Target> bias_target;
+  RegistrationSetup registration;
   LabelLimits limits;
 };
 

@@ -119,7 +119,8 @@ EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const st
       problem.true_inliers.push_back(!record.observations()[slot].is_outlier);
     }
   }
-  const SolverAnswer answer = solver.solve({problem, study.solving.options, features, found.trial});
+  const SolverAnswer answer = solver.solve({problem, study.solving.options, features, found.trial,
+                                            found.image ? &*found.image : nullptr});
   const PoseEstimate& estimate = answer.estimate;
   EstimateRecord out;
   out.solver = name;
@@ -143,7 +144,7 @@ EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const st
     out.mspd_px = least_mspd_px(vertices_of(study.target->mesh), problem.camera, pose,
                                 record.true_cam_from_target, found.symmetries->poses);
   }
-  judge_removals(record, found, estimate, out);
+  if (!solver.looks_at_image) judge_removals(record, found, estimate, out);
   out.covariance = reported_covariance(problem, estimate);
   if (out.covariance) out.nees = nees_of(pose, truth, *out.covariance);
   if (estimate.diagnosis) keep_diagnosis(*estimate.diagnosis, out);

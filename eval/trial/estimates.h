@@ -3,9 +3,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "eval/datasets/symmetries.h"
+#include "eval/doors/registration_solver.h"
 #include "eval/records/records.h"
 #include "eval/study/study.h"
 
@@ -18,6 +20,7 @@ struct FoundPoints {
   TrialName trial;
   /// Of the target, which the true pose is known up to; null: it has none.
   const Symmetries* symmetries = nullptr;
+  std::optional<QuestionImage> image;  ///< that they are of; none of a numeric study
 };
 
 /// What each solver of the study makes of the points, against the truth in the trial's record. Only

@@ -166,7 +166,12 @@ void extract_and_solve(const ImageStudy& study, uint64_t seed, Trial& trial, Ren
     pose_trial.estimates = failed_estimates(study.solving, *extraction.problem);
     return;
   }
-  const FoundPoints found = found_points(study, trial, extraction.cam_from_target);
+  FoundPoints found = found_points(study, trial, extraction.cam_from_target);
+  const ImageSetup& setup = study.setup_of(record.condition);
+  found.image.emplace(
+      QuestionImage{trial.frame.image, trial.scene,
+                    prior_of(pose_trial.prior_cam_from_target, trial.scene.camera, setup.prior),
+                    setup.registration});
   pose_trial.estimates = estimates_of(study, seed, found, record);
 }
 

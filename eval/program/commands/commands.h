@@ -54,6 +54,7 @@ void add_completions(CLI::App& app);
 
 void add_list(CLI::App& app);
 void add_target(CLI::App& app);
+void add_bound(CLI::App& app);
 void add_doctor(CLI::App& app);
 
 }  // namespace sightline

@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "eval/doors/image_bound_solver.h"
+
+#include <Eigen/Cholesky>
+
+#include "eval/doors/registration_solver.h"
+#include "registration/image_bound.h"
+#include "scenes/random/random.h"
+
+namespace sightline {
+namespace {
+
+// A draw of normal numbers of that covariance.
+Vector6d drawn(const Matrix6d& covariance, RandomStream stream) {
+  Vector6d unit;
+  for (int i = 0; i < 6; ++i) unit[i] = stream.normal();
+  // To comparable units, for the sake of rounding.
+  const Vector6d scale = covariance.diagonal().cwiseSqrt();
+  const Matrix6d correlation =
+      scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
+  return scale.cwiseProduct(Eigen::LLT<Matrix6d>(correlation).matrixL() * unit);
+}
+
+SolverAnswer bound_as_answer(const SolverQuestion& question, uint64_t seed, const char* name,
+                             std::optional<Matrix6d> ImageBounds::*which) {
+  if (question.image == nullptr) return {};
+  const Scene& scene = question.image->scene;
+  Renderer renderer;
+  const std::optional<Matrix6d> covariance = image_bounds(scene, renderer).*which;
+  SolverAnswer answer;
+  if (!covariance) {
+    answer.outcome = EstimateOutcome::kDegenerate;
+    return answer;
+  }
+  answer.outcome = EstimateOutcome::kOk;
+  answer.estimate.status = PoseStatus::kOk;
+  const RandomStream stream(seed, name, static_cast<uint64_t>(question.trial.trial));
+  answer.estimate.cam_from_target = retract(scene.cam_from_target, drawn(*covariance, stream));
+  answer.estimate.covariance = covariance;
+  return answer;
+}
+
+TrialSolver bound_solver(const char* name, const char* summary, uint64_t seed,
+                         std::optional<Matrix6d> ImageBounds::*which) {
+  return {.name = name,
+          .summary = summary,
+          .evaluation_only = true,
+          .looks_at_image = true,
+          .solve = [=](const SolverQuestion& question) {
+            return bound_as_answer(question, seed, name, which);
+          }};
+}
+
+}  // namespace
+
+std::vector<TrialSolver> image_bound_solvers(uint64_t seed) {
+  return {bound_solver("image_bound", "what the image's Cramer-Rao bound leaves, light unknown",
+                       seed, &ImageBounds::unknown_light),
+          bound_solver("outline_bound", "the same of the outline alone, contrast unknown", seed,
+                       &ImageBounds::outline)};
+}
+
+}  // namespace sightline

@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "eval/program/commands/commands.h"
+#include "eval/study/study_file.h"
+#include "eval/target/image_bound_report.h"
+#include "scenes/files/input_error.h"
+
+namespace sightline {
+namespace {
+
+struct BoundArguments {
+  std::string study;
+  std::vector<std::string> over;
+  std::string csv;
+  int scenes = 10;
+  StudyOverrides overrides;
+};
+
+// --over KEY=v1,v2,... is a sweep of that key.
+std::string sweep_of(const std::string& over) {
+  const size_t equals = over.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == over.size()) {
+    throw InputError(fmt::format(
+        "--over is \"{}\", must be KEY=VALUE,VALUE,... such as poses.range_m=1000,2000", over));
+  }
+  return fmt::format("sweep.\"{}\"=[{}]", over.substr(0, equals), over.substr(equals + 1));
+}
+
+void print_bound(BoundArguments arguments) {
+  for (const std::string& over : arguments.over) {
+    arguments.overrides.set.push_back(sweep_of(over));
+  }
+  const Study study = read_scene(arguments.study, arguments.overrides);
+  if (!study.renders()) {
+    throw InputError(
+        fmt::format("{}: has images already, of which nobody knows the light: a bound "
+                    "is of scenes that are rendered",
+                    arguments.study));
+  }
+  const std::vector<ImageBoundRow> rows = image_bound_rows(study, arguments.scenes);
+  std::cout << image_bound_table(study.title, rows);
+  if (arguments.csv.empty()) return;
+  std::ofstream file(arguments.csv);
+  file << image_bound_csv(rows);
+  file.flush();
+  if (!file) throw InputError(fmt::format("{}: cannot be written", arguments.csv));
+}
+
+}  // namespace
+
+void add_bound(CLI::App& app) {
+  auto arguments = std::make_shared<BoundArguments>();
+  CLI::App* sub = app.add_subcommand(
+      "bound",
+      "Say how well any estimator could know the pose from a study's images, before a run");
+  sub->add_option("study", arguments->study, "Name or file of an image study or a scene")
+      ->required();
+  sub->add_option("--scenes", arguments->scenes, "Scenes of each condition")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+  sub->add_option("--over", arguments->over,
+                  "KEY=VALUE,VALUE,...: a row for each value of a key, such as "
+                  "poses.range_m=1000,1500,2000; may be repeated")
+      ->allow_extra_args(false);
+  sub->add_option("--set", arguments->overrides.set, "key=value of the study; may be repeated")
+      ->allow_extra_args(false);
+  sub->add_option("--seed", arguments->overrides.seed, "Seed of all draws");
+  sub->add_option("--csv", arguments->csv, "Also write the rows into this file");
+  sub->callback([arguments] { print_bound(*arguments); });
+}
+
+}  // namespace sightline

@@ -1,0 +1,231 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "registration/adaptive_solve.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <opencv2/core.hpp>
+
+#include "registration/symmetric.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kNu = 6;            // degrees of freedom of the pixels' noise
+constexpr double kBlockNu = 4;       // of the blocks' deviations
+constexpr double kAlbedoUnit = 0.7;  // a usual albedo: deviations are of its grey
+constexpr double kLostWeight = 0.3;
+
+using GramMatrix = Eigen::Matrix<double, kColumns, kColumns, Eigen::RowMajor>;
+
+// Which column a local deviation is of, and its unit.
+constexpr std::array<int, kLocals> kLocalColumns = {6, 7, 8, 9, 10, 13, 14};
+constexpr std::array<double, kLocals> kLocalUnits = {
+    kAlbedoUnit, kAlbedoUnit, kAlbedoUnit, kAlbedoUnit, 1, 1, 1};
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The sd of normal numbers whose absolute values have this median.
+double sd_of_median(double absolute_median) {
+  return 1.4826 * absolute_median;
+}
+
+std::vector<double> weights_of(const BlockRows& rows, const Block& block, const Learning& learning,
+                               int image_width) {
+  std::vector<double> weights(static_cast<size_t>(block.stride), 0.0);
+  const double variance =
+      learning.pixel_variance * learning.blocks[static_cast<size_t>(block.id)].noise;
+  const auto pixels = rows.pixels_of(block);
+  for (size_t i = 0; i < pixels.size(); ++i) {
+    weights[i] =
+        learning.weight.at<float>(pixels[i] / image_width, pixels[i] % image_width) / variance;
+  }
+  return weights;
+}
+
+double inside_variance(const Learning& learning, int id) {
+  return learning.inside_sd * learning.inside_sd * learning.blocks[static_cast<size_t>(id)].inside;
+}
+
+double outside_variance(const Learning& learning, int id) {
+  return learning.outside_sd * learning.outside_sd *
+         learning.blocks[static_cast<size_t>(id)].outside;
+}
+
+// What the solution leaves of a block: its residuals and its deviations.
+struct BlockRest {
+  std::vector<double> residuals;
+  Eigen::VectorXd deviations;
+};
+
+BlockRest rest_of(const BlockRows& rows, const Block& block, const ReducedBlock& reduced_block,
+                  const Unknowns& change) {
+  Eigen::VectorXd of_columns(kUnknowns + 1);
+  of_columns << -change, 1;
+  BlockRest rest;
+  rest.deviations = reduced_block.response * of_columns;
+  std::array<double, kColumns> coefficients{};
+  for (int i = 0; i <= kUnknowns; ++i) coefficients[static_cast<size_t>(i)] = of_columns[i];
+  for (size_t k = 0; k < kLocalColumns.size(); ++k) {
+    coefficients[static_cast<size_t>(kLocalColumns[k])] -=
+        rest.deviations[static_cast<int>(k)] / kLocalUnits[k];
+  }
+  rest.residuals.resize(static_cast<size_t>(block.stride));
+  combine_columns(rows.columns_of(block), block.stride, coefficients.data(), rest.residuals.data());
+  rest.residuals.resize(static_cast<size_t>(block.count));
+  return rest;
+}
+
+// The square sizes of a block's deviations, their own doubt included.
+double inside_square(const BlockRest& rest, const ReducedBlock& block) {
+  return rest.deviations.head(kInsideLocals).squaredNorm() +
+         block.covariance.diagonal().head(kInsideLocals).sum();
+}
+
+double outside_square(const BlockRest& rest, const ReducedBlock& block) {
+  return rest.deviations.tail(kOutsideLocals).squaredNorm() +
+         block.covariance.diagonal().tail(kOutsideLocals).sum();
+}
+
+// -2 log of a block's part of the posterior, deviations integrated out.
+double deviation_cost(const BlockRest& rest, const ReducedBlock& block, double inside,
+                      double outside) {
+  return rest.deviations.head(kInsideLocals).squaredNorm() / inside +
+         rest.deviations.tail(kOutsideLocals).squaredNorm() / outside +
+         kInsideLocals * std::log(inside) + kOutsideLocals * std::log(outside) -
+         std::log(block.covariance.determinant());
+}
+
+void judge_fit(const BlockRows& rows, const Learning& learning, Solution& solution) {
+  // A pixel of Student's noise costs this much on average: so that more pixels are no worse.
+  constexpr double kMeanCost = 0.93;
+  constexpr double kMostSquare = 25;
+  std::vector<double> sizes;
+  double squares = 0, inside = 0, outside = 0;
+  int lost = 0;
+  for (size_t b = 0; b < rows.blocks.size(); ++b) {
+    const Block& block = rows.blocks[b];
+    const BlockLearning& learnt = learning.blocks[static_cast<size_t>(block.id)];
+    const BlockRest rest = rest_of(rows, block, solution.blocks[b], solution.change);
+    const double inside_now = inside_variance(learning, block.id);
+    const double outside_now = outside_variance(learning, block.id);
+    solution.cost += deviation_cost(rest, solution.blocks[b], inside_now, outside_now);
+    inside += inside_square(rest, solution.blocks[b]) / inside_now;
+    outside += outside_square(rest, solution.blocks[b]) / outside_now;
+    for (const double residual : rest.residuals) {
+      const double square = residual * residual / learning.pixel_variance;
+      const double own = square / learnt.noise;
+      solution.cost += (kNu + 1) * std::log1p(square / kNu) - kMeanCost;
+      squares += std::min(own, kMostSquare);
+      if ((kNu + 1) / (kNu + own) < kLostWeight) ++lost;
+      sizes.push_back(std::abs(residual));
+    }
+  }
+  solution.pixels = static_cast<int>(sizes.size());
+  const auto blocks = static_cast<double>(rows.blocks.size());
+  solution.inside_excess = inside / (kInsideLocals * blocks);
+  solution.outside_excess = outside / (kOutsideLocals * blocks);
+  solution.chi2 = squares / solution.pixels;
+  solution.lost = static_cast<double>(lost) / solution.pixels;
+  solution.mad_sd = sd_of_median(median(sizes));
+}
+
+// The excess of a block's noise over the image's. What pixels of noise alone show by chance is
+// none.
+double noise_excess(const std::vector<double>& residuals, double variance) {
+  constexpr double kSlack = 3.3;  // sds of the square of a median of n normal numbers, root n
+  std::vector<double> sizes;
+  for (const double residual : residuals) sizes.push_back(std::abs(residual));
+  const double sd = sd_of_median(median(sizes));
+  const double excess = sd * sd / variance;
+  return excess < 1 + kSlack / std::sqrt(static_cast<double>(sizes.size())) ? 1 : excess;
+}
+
+double adapted(double sd, double excess) {
+  constexpr double kLeast = 0.15, kMost = 60;
+  return std::clamp(sd * std::clamp(excess, 0.3, 10.0), kLeast, kMost);
+}
+
+}  // namespace
+
+Learning new_learning(const cv::Size& image, double pixel_variance) {
+  Learning learning;
+  learning.pixel_variance = pixel_variance;
+  learning.blocks.resize(static_cast<size_t>(block_count(image)));
+  learning.weight = cv::Mat::ones(image, CV_32F);
+  return learning;
+}
+
+ReducedBlock reduced(const double* gram, double inside_variance, double outside_variance) {
+  const Eigen::Map<const GramMatrix> all(gram);
+  Eigen::MatrixXd cross(kLocals, kUnknowns + 1), own(kLocals, kLocals);
+  for (int i = 0; i < kLocals; ++i) {
+    const int column = kLocalColumns[static_cast<size_t>(i)];
+    const double unit = kLocalUnits[static_cast<size_t>(i)];
+    cross.row(i) = all.row(column).head(kUnknowns + 1) / unit;
+    for (int j = 0; j < kLocals; ++j) {
+      own(i, j) = all(column, kLocalColumns[static_cast<size_t>(j)]) /
+                  (unit * kLocalUnits[static_cast<size_t>(j)]);
+    }
+    own(i, i) += 1 / (i < kInsideLocals ? inside_variance : outside_variance);
+  }
+  ReducedBlock block;
+  const InverseAndDeterminant inverse = inverse_and_determinant(own);
+  block.covariance = inverse.inverse;
+  block.log_determinant = inverse.log_determinant;
+  block.response = block.covariance * cross;
+  block.system = all.topLeftCorner(kUnknowns + 1, kUnknowns + 1);
+  block.system.noalias() -= cross.transpose() * block.response;
+  return block;
+}
+
+Solution solve_rows(const BlockRows& rows, const Learning& learning, const PriorTerm& prior,
+                    int image_width) {
+  Solution solution;
+  if (rows.blocks.empty()) return solution;
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kUnknowns + 1, kUnknowns + 1);
+  std::array<double, kColumns * kColumns> gram{};
+  for (const Block& block : rows.blocks) {
+    const std::vector<double> weights = weights_of(rows, block, learning, image_width);
+    weighted_gram(rows.columns_of(block), block.stride, weights.data(), gram.data());
+    solution.blocks.push_back(reduced(gram.data(), inside_variance(learning, block.id),
+                                      outside_variance(learning, block.id)));
+    sum += solution.blocks.back().system;
+  }
+  solution.information = sum.topLeftCorner(kUnknowns, kUnknowns) + prior.information;
+  solution.change = solved(solution.information, sum.topRightCorner(kUnknowns, 1) + prior.pull);
+  judge_fit(rows, learning, solution);
+  return solution;
+}
+
+void learn(const BlockRows& rows, const Solution& solution, int image_width, Learning& learning) {
+  for (size_t b = 0; b < rows.blocks.size(); ++b) {
+    const Block& block = rows.blocks[b];
+    BlockLearning& learnt = learning.blocks[static_cast<size_t>(block.id)];
+    const BlockRest rest = rest_of(rows, block, solution.blocks[b], solution.change);
+    const double inside = learning.inside_sd * learning.inside_sd;
+    const double outside = learning.outside_sd * learning.outside_sd;
+    learnt.inside =
+        (kBlockNu + inside_square(rest, solution.blocks[b]) / inside) / (kBlockNu + kInsideLocals);
+    learnt.outside = (kBlockNu + outside_square(rest, solution.blocks[b]) / outside) /
+                     (kBlockNu + kOutsideLocals);
+    learnt.noise = noise_excess(rest.residuals, learning.pixel_variance);
+    const double variance = learning.pixel_variance * learnt.noise;
+    const auto pixels = rows.pixels_of(block);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const double square = rest.residuals[i] * rest.residuals[i] / variance;
+      learning.weight.at<float>(pixels[i] / image_width, pixels[i] % image_width) =
+          static_cast<float>(std::min(1.0, (kNu + 1) / (kNu + square)));
+    }
+  }
+  learning.inside_sd = adapted(learning.inside_sd, solution.inside_excess);
+  learning.outside_sd = adapted(learning.outside_sd, solution.outside_excess);
+}
+
+}  // namespace sightline

@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// The inner loops of the registration, compiled for several processors: no Eigen here.
+#pragma once
+
+namespace sightline {
+
+/// Columns of a block of pixels: see registration/block_rows.h.
+inline constexpr int kColumns = 15;
+/// A block is a square of so many pixels a side.
+inline constexpr int kBlockPx = 12;
+inline constexpr int kBlockPixels = kBlockPx * kBlockPx;
+/// The pixels of a block are padded to a multiple of this, by zeros.
+inline constexpr int kLanes = 8;
+
+/// gram[15 i + j] = sum over pixels p of weights[p] c_i[p] c_j[p], both halves filled. Column i
+/// begins at columns + i * stride; `stride`, a multiple of kLanes and at most kBlockPixels, is also
+/// the number of pixels.
+void weighted_gram(const double* columns, int stride, const double* weights, double* gram);
+
+/// out[p] = sum over columns i of coefficients[i] c_i[p].
+void combine_columns(const double* columns, int stride, const double* coefficients, double* out);
+
+}  // namespace sightline

@@ -1,0 +1,240 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "registration/fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <opencv2/core.hpp>
+
+#include "registration/covariance.h"
+#include "registration/symmetric.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kLeastBlurVariance = 0.05, kMostBlurVariance = 9;  // px^2
+constexpr double kLeastDrawnBlurVariance = 0.04;
+
+GreyImage blurred_image(GreyImage image, double sigma_px) {
+  image.grey = blurred(image.grey, sigma_px);
+  return image;
+}
+
+// The prior's information; of what is known exactly almost so.
+Matrix6d information_of(const PosePrior& prior) {
+  constexpr double kExactRad = 1e-9;
+  const double exact_m = kExactRad * prior.cam_from_target.translation.norm();
+  Matrix6d covariance = prior.covariance;
+  covariance.diagonal().head<3>().array() += kExactRad * kExactRad;
+  covariance.diagonal().tail<3>().array() += exact_m * exact_m;
+  const auto information = inverse_of(covariance);
+  return information ? Matrix6d(*information) : Matrix6d(Matrix6d::Zero());
+}
+
+}  // namespace
+
+std::vector<FitLevel> fit_levels(const GreyImage& image, bool is_near) {
+  std::vector<FitLevel> levels;
+  if (!is_near) {
+    levels.push_back({blurred_image(shrunk(image, 4), 1.25), 4, 1.25, 4, 16});
+    levels.push_back({blurred_image(shrunk(image, 2), 1.25), 2, 1.25, 3, 8});
+    levels.push_back({blurred_image(image, 1.2), 1, 1.2, 3, 4});
+  }
+  levels.push_back({image, 1, 0, 6, 16});
+  return levels;
+}
+
+// A linearisation: the model drawn at the state's pose, and its rows.
+struct Fitter::Step {
+  BlockRows rows;
+  LightVector light;
+};
+
+Fitter::Fitter(const Mesh& mesh, const PosePrior& prior, double noise_variance,
+               const RegistrationOptions& options)
+    : mesh_(mesh),
+      prior_(prior),
+      prior_information_(information_of(prior)),
+      noise_variance_(noise_variance),
+      options_(options),
+      radius_m_(radius_m(mesh)) {}
+
+std::optional<Fitter::Step> Fitter::linearise(const FitLevel& level, BasisDrawer& drawer,
+                                              int samples) {
+  const double own =
+      std::max(kLeastDrawnBlurVariance, state_.blur_variance_px2) / (level.factor * level.factor);
+  const double blur_px = std::sqrt(own + level.blur_px * level.blur_px);
+  BasisOptions basis;
+  basis.samples_per_pixel = samples;
+  basis.margin_px = margin_px(blur_px);
+  if (state_.light) basis.to_light_in_cam = state_.light->segment<3>(1);
+  const auto images = drawer.draw(state_.cam_from_target, basis);
+  if (!images) return std::nullopt;
+  ++drawings_;
+  const auto region = level.is_sharp() ? options_.region : RegistrationRegion::kImage;
+  const ModelView view = model_view(*images, blur_px, region);
+  if (!state_.light) fit_first_light(level.image, view);
+  return Step{
+      block_rows(level.image, view, state_.cam_from_target, *state_.light, level.is_sharp()),
+      *state_.light};
+}
+
+// Least squares, with a weak belief in a light from the camera.
+void Fitter::fit_first_light(const GreyImage& image, const ModelView& view) {
+  const LightVector usual(76, 0, 0, -120, 38);
+  constexpr double kWeight = 0.05;  // of the belief, over the image's word on the glow
+  constexpr double kWeightOfBackground = 0.001;
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(5, 5);
+  LightVector right = LightVector::Zero();
+  for (int y = 0; y < view.box.height; ++y) {
+    const float* const grey = image.grey.ptr<float>(y + view.box.y) + view.box.x;
+    for (int x = 0; x < view.box.width; ++x) {
+      LightVector row;
+      for (size_t k = 0; k < 5; ++k) row[static_cast<int>(k)] = view.basis[k].at<float>(y, x);
+      gram += row * row.transpose();
+      right += row * grey[x];
+    }
+  }
+  LightVector belief = LightVector::Constant(kWeight * gram(0, 0));
+  belief[4] *= kWeightOfBackground;
+  gram.diagonal() += belief;
+  state_.light = LightVector(solved(gram, right + belief.cwiseProduct(usual)));
+}
+
+PriorTerm Fitter::prior_term(bool is_sharp) const {
+  constexpr double kLightSd = 100, kBackgroundSd = 100, kBlurSd = 0.5;
+  Vector6d error;
+  error << vector_from_rotation(state_.cam_from_target.rotation *
+                                prior_.cam_from_target.rotation.transpose()),
+      state_.cam_from_target.translation - prior_.cam_from_target.translation;
+  PriorTerm term;
+  term.information.topLeftCorner(6, 6) = prior_information_;
+  term.pull.head<6>() = -prior_information_ * error;
+  for (int i = 0; i < 4; ++i) {
+    term.information(kLightAt + i, kLightAt + i) = 1 / (kLightSd * kLightSd);
+  }
+  term.information(kLightAt + 4, kLightAt + 4) = 1 / (kBackgroundSd * kBackgroundSd);
+  term.information(kBlurAt, kBlurAt) = is_sharp ? 1 / (kBlurSd * kBlurSd) : 1;
+  return term;
+}
+
+// Returns by how many pixels of the whole image the target's rim moves.
+double Fitter::apply(const Unknowns& change, bool is_sharp) {
+  Vector6d delta = change.head<6>();
+  state_.cam_from_target = retract(state_.cam_from_target, delta);
+  *state_.light += change.segment<5>(kLightAt);
+  if (is_sharp) {
+    state_.blur_variance_px2 = std::clamp(state_.blur_variance_px2 + change[kBlurAt],
+                                          kLeastBlurVariance, kMostBlurVariance);
+  }
+  return (delta.head<3>().norm() * radius_m_ + delta.segment<2>(3).norm()) /
+         state_.cam_from_target.translation.z();
+}
+
+bool Fitter::fit_blurred(const FitLevel& level) {
+  constexpr double kFirstVariance = 100;
+  constexpr double kLeastVariance = 4;
+  constexpr double kVarianceOverSeen = 4;
+  constexpr double kSmallStep = 0.02;  // of the blur
+  BasisDrawer drawer(mesh_, level.image.camera);
+  const cv::Size size = level.image.grey.size();
+  Learning learning = new_learning(size, kFirstVariance);
+  for (int i = 0; i < level.most_steps; ++i) {
+    const auto step = linearise(level, drawer, level.samples);
+    if (!step || step->rows.blocks.empty()) return false;
+    const Solution solution = solve_rows(step->rows, learning, prior_term(false), size.width);
+    const double moved_px = apply(solution.change, false) * level.image.camera.fx_px;
+    learning.pixel_variance =
+        std::max(kLeastVariance, kVarianceOverSeen * solution.mad_sd * solution.mad_sd);
+    if (i > 0 && moved_px < kSmallStep * level.blur_px) break;
+  }
+  return true;
+}
+
+bool Fitter::fit_sharp(const FitLevel& level, Registration& out) {
+  constexpr double kSmallStepPx = 5e-3;
+  constexpr int kRounds = 2;  // solutions of one linearisation, each with better weights
+  BasisDrawer drawer(mesh_, level.image.camera);
+  const cv::Size size = level.image.grey.size();
+  Learning& learning = learning_;
+  learning = new_learning(size, noise_variance_);
+  for (int i = 0; i < level.most_steps; ++i) {
+    const auto step = linearise(level, drawer, level.samples);
+    if (!step || step->rows.blocks.empty()) return false;
+    const PriorTerm prior = prior_term(true);
+    Solution solution;
+    for (int round = 0; round < kRounds; ++round) {
+      if (round > 0) learn(step->rows, solution, size.width, learning);
+      solution = solve_rows(step->rows, learning, prior, size.width);
+    }
+    const double moved_px = apply(solution.change, true) * level.image.camera.fx_px;
+    const bool is_last = i + 1 == level.most_steps || (i > 0 && moved_px < kSmallStepPx);
+    if (is_last) {
+      const PoseSpread spread = pose_spread(step->rows, solution);
+      out.covariance = spread.covariance;
+      out.cluster_factor = spread.cluster_factor;
+      out.chi2 = solution.chi2;
+      out.lost = solution.lost;
+      out.cost = solution.cost;
+      out.inside_sd = learning.inside_sd;
+      out.outside_sd = learning.outside_sd;
+      return true;
+    }
+    learn(step->rows, solution, size.width, learning);
+  }
+  return false;
+}
+
+// What the camera's calibration may be off moves the pose: by how much, the same image says before
+// a camera that is off by one sd.
+Matrix6d Fitter::camera_term(const FitLevel& level) {
+  const CameraErrors& errors = options_.camera_errors;
+  Matrix6d sum = Matrix6d::Zero();
+  const auto change_before = [&](const Camera& camera) -> std::optional<Vector6d> {
+    FitLevel seen = level;
+    seen.image.camera = camera;
+    BasisDrawer drawer(mesh_, camera);
+    const auto step = linearise(seen, drawer, level.samples);
+    if (!step || step->rows.blocks.empty()) return std::nullopt;
+    const int width = level.image.grey.cols;
+    return Vector6d(solve_rows(step->rows, learning_, prior_term(true), width).change.head<6>());
+  };
+  const auto own = change_before(level.image.camera);
+  const auto add = [&](double sd, auto move) {
+    if (sd == 0 || !own) return;
+    Camera camera = level.image.camera;
+    move(camera, sd);
+    const auto change = change_before(camera);
+    if (change) sum += (*change - *own) * (*change - *own).transpose();
+  };
+  add(errors.focal_fraction, [](Camera& camera, double sd) {
+    camera.fx_px *= 1 + sd;
+    camera.fy_px *= 1 + sd;
+  });
+  add(errors.principal_point_px, [](Camera& camera, double sd) { camera.cx_px += sd; });
+  add(errors.principal_point_px, [](Camera& camera, double sd) { camera.cy_px += sd; });
+  add(errors.k1, [](Camera& camera, double sd) { camera.distortion.k1 += sd; });
+  return sum;
+}
+
+Registration Fitter::fit(const std::vector<FitLevel>& levels, const Pose& start) {
+  state_ = {start, std::nullopt, options_.blur_px * options_.blur_px};
+  drawings_ = 0;
+  Registration out;
+  out.starts = 1;
+  for (const FitLevel& level : levels) {
+    const bool is_fitted = level.is_sharp() ? fit_sharp(level, out) : fit_blurred(level);
+    if (!is_fitted) return out;
+  }
+  if (!options_.camera_errors.is_none()) out.covariance += camera_term(levels.back());
+  out.status = RegistrationStatus::kOk;
+  out.cam_from_target = state_.cam_from_target;
+  out.light = *state_.light;
+  out.blur_px = std::sqrt(state_.blur_variance_px2);
+  out.noise_sd_grey = std::sqrt(noise_variance_);
+  out.drawings = drawings_;
+  return out;
+}
+
+}  // namespace sightline

@@ -1,0 +1,161 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "registration/registration.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+
+#include "registration/fit.h"
+#include "registration/symmetric.h"
+#include "registration/usable.h"
+
+namespace sightline {
+namespace {
+
+// Fits that look like the model at the wrong pose exceeded these; good ones of plain frames do not.
+constexpr double kMostClusterFactor = 2.5;
+constexpr double kMostLost = 0.002;
+
+bool looks_like_model(const Registration& fit) {
+  return fit.is_ok() && fit.cluster_factor <= kMostClusterFactor && fit.lost <= kMostLost;
+}
+
+// How much of a prior's variance is left, on average over its six axes.
+double share_left(const Matrix6d& covariance, const Matrix6d& prior) {
+  const auto information = inverse_of(prior);
+  return information ? (*information * covariance).trace() / 6 : 0;
+}
+
+// Why a fit is not to be believed whatever it looks like; empty where it may be.
+std::string contradiction(const Registration& fit, const RegistrationTask& task) {
+  const PosePrior& prior = task.prior;
+  // Six normal numbers have such a sum of squares once in a million times.
+  constexpr double kFarthest = 39;
+  // Of the prior's variances, on average: the image must say more than that.
+  constexpr double kMostLeft = 0.5;
+  Matrix6d known = prior.covariance;
+  known.diagonal() += 1e-12 * known.diagonal() + Vector6d::Constant(1e-24);
+  Vector6d moved;
+  moved << vector_from_rotation(fit.cam_from_target.rotation *
+                                prior.cam_from_target.rotation.transpose()),
+      fit.cam_from_target.translation - prior.cam_from_target.translation;
+  if (mahalanobis2(moved, known) > kFarthest) return "the fit lies beyond what the prior allows";
+  // A prior as sharp as the image leaves it nothing to say.
+  constexpr double kSharpPx = 0.5;
+  const double px_per_m = task.camera.fx_px / prior.cam_from_target.translation.z();
+  const bool is_sharp = std::sqrt(prior.covariance(3, 3)) * px_per_m < kSharpPx;
+  if (!is_sharp && share_left(fit.covariance, known) > kMostLeft) {
+    return "the image says little more than the prior";
+  }
+  return {};
+}
+
+// Poses to start from where the prior led astray: turned by 1.5 sds about each axis of its doubt,
+// and back.
+std::vector<Pose> other_starts(const PosePrior& prior) {
+  constexpr double kSds = 1.5;
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(prior.covariance.topLeftCorner<3, 3>());
+  std::vector<Pose> starts;
+  for (const double side : {kSds, -kSds}) {
+    for (int i = 0; i < 3; ++i) {
+      const double sd = std::sqrt(std::max(0.0, axes.eigenvalues()[i]));
+      Pose start = prior.cam_from_target;
+      start.rotation =
+          rotation_from_vector(side * sd * axes.eigenvectors().col(i)) * start.rotation;
+      starts.push_back(start);
+    }
+  }
+  return starts;
+}
+
+// Whether two fits are of one pose, as far as their covariances say.
+bool agree(const Registration& a, const Registration& b) {
+  constexpr double kFarthest = 25;  // squared sds of both together, which share their noise
+  if (!a.is_ok() || !b.is_ok()) return false;
+  Vector6d difference;
+  difference << vector_from_rotation(a.cam_from_target.rotation *
+                                     b.cam_from_target.rotation.transpose()),
+      a.cam_from_target.translation - b.cam_from_target.translation;
+  return mahalanobis2(difference, a.covariance + b.covariance) < kFarthest;
+}
+
+// Fits from start to start until one looks like the model, or the best two agree.
+class Trials {
+ public:
+  // Takes a fit; true when no more are needed.
+  bool take(const Registration& fit) {
+    constexpr double kClearlyBetter = 10;
+    ++starts_;
+    drawings_ += fit.drawings;
+    if (agree(fit, best_)) {
+      is_agreed_ = true;
+      if (fit.cost < best_.cost) best_ = fit;
+    } else if (fit.is_ok() && (!best_.is_ok() || fit.cost < best_.cost - kClearlyBetter)) {
+      best_ = fit;
+      is_agreed_ = false;
+    }
+    return looks_like_model(best_) || is_agreed_;
+  }
+
+  Registration result(const RegistrationTask& task) const {
+    Registration out = best_;
+    out.starts = starts_;
+    out.drawings = drawings_;
+    if (out.is_ok() && !looks_like_model(out) && !is_agreed_ && starts_ > 1) {
+      out.status = RegistrationStatus::kNotTrusted;
+      out.reason = "the image does not look like the model, and no two starts agree";
+    }
+    if (const std::string reason = contradiction(out, task); out.is_ok() && !reason.empty()) {
+      out.status = RegistrationStatus::kNotTrusted;
+      out.reason = reason;
+    }
+    return out;
+  }
+
+ private:
+  Registration best_;
+  bool is_agreed_ = false;
+  int starts_ = 0;
+  int drawings_ = 0;
+};
+
+}  // namespace
+
+std::string_view to_string(RegistrationStatus status) {
+  constexpr std::array<std::string_view, 6> kNames = {
+      "ok",         "behind_camera", "target outside", "target too small", "target saturated",
+      "not trusted"};
+  return kNames[static_cast<size_t>(status)];
+}
+
+Registration register_mesh(const RegistrationTask& task, const RegistrationOptions& options) {
+  const GreyImage image = grey_image(task.image, task.white, options.is_srgb, task.camera);
+  const double noise_sd =
+      options.noise_sd_grey ? *options.noise_sd_grey : estimated_noise_sd(image.grey);
+  const double step_grey = 255 / (std::exp2(options.bits) - 1);
+  Fitter fitter(task.mesh, task.prior, noise_sd * noise_sd + step_grey * step_grey / 12, options);
+  Trials trials;
+  if (const Usability found = usability(task, image); found.status != RegistrationStatus::kOk) {
+    Registration out;
+    out.status = found.status;
+    out.reason = found.reason;
+    return out;
+  }
+  if (task.start) {
+    if (trials.take(fitter.fit(fit_levels(image, true), *task.start))) return trials.result(task);
+  }
+  const std::vector<FitLevel> levels = fit_levels(image, false);
+  if (trials.take(fitter.fit(levels, task.prior.cam_from_target)) || !options.tries_again) {
+    return trials.result(task);
+  }
+  for (const Pose& start : other_starts(task.prior)) {
+    if (trials.take(fitter.fit(levels, start))) break;
+  }
+  return trials.result(task);
+}
+
+}  // namespace sightline

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Registrations and bounds of images as estimators beside the solvers.
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "eval/study/study_file.h"
+#include "eval/target/image_bound_report.h"
+#include "scenes/files/input_error.h"
+#include "tests/eval/studies.h"
+
+namespace sightline {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+Study random_study(const std::vector<std::string>& settings) {
+  StudyOverrides overrides{.trials = 1, .seed = {}, .set = {"solvers=['lspe']"}};
+  overrides.set.insert(overrides.set.end(), settings.begin(), settings.end());
+  return read_study("boeing-random", overrides);
+}
+
+TEST(RegistrationRows, AreOffByDefault) {
+  EXPECT_THAT(random_study({}).solver_names(), ElementsAre("lspe"));
+  EXPECT_THAT(random_study({"extraction.registration=both", "bound.image=true"}).solver_names(),
+              ElementsAre("lspe", "registration_image", "registration_outline", "image_bound",
+                          "outline_bound"));
+}
+
+TEST(RegistrationRows, GetNoMadeInputs) {
+  const Study study =
+      random_study({"extraction.registration=image", "solver.inputs=['exact','inliers']"});
+  EXPECT_THAT(study.solver_names(),
+              ElementsAre("lspe", "registration_image", "lspe/exact", "lspe/inliers"));
+}
+
+TEST(RegistrationRows, CannotBeSwept) {
+  try {
+    random_study({"sweep={'extraction.registration'=['off','image']}"});
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("extraction.registration cannot be swept"));
+  }
+}
+
+TEST(RegistrationRows, ReachWhatTheImageAllows) {
+  const Study study = random_study({"extraction.registration=image", "bound.image=true"});
+  Renderer renderer;
+  const TrialRecord record = run_trial(study, 0, renderer).record;
+  const EstimateRecord* const points = find_estimate(record, "lspe");
+  const EstimateRecord* const laid = find_estimate(record, "registration_image");
+  const EstimateRecord* const bound = find_estimate(record, "image_bound");
+  ASSERT_TRUE(points != nullptr && laid != nullptr && bound != nullptr);
+  ASSERT_TRUE(laid->is_ok() && bound->is_ok());
+  EXPECT_LT(laid->theta_error_deg, 0.02);
+  EXPECT_GT(points->theta_error_deg, 5 * laid->theta_error_deg);
+  ASSERT_TRUE(laid->covariance && bound->covariance);
+  // No estimator is better than the bound, but for the prior's word and what block deviations cost.
+  const double ratio = laid->covariance->topLeftCorner<3, 3>().trace() /
+                       bound->covariance->topLeftCorner<3, 3>().trace();
+  EXPECT_GT(ratio, 0.8);
+  EXPECT_LT(ratio, 16);
+}
+
+TEST(RegistrationRows, TheBoundGrowsWithTheRange) {
+  const Study study = read_scene(
+      "boeing-random", {.trials = {},
+                        .seed = {},
+                        .set = {"sweep={'poses.range_m'=[[1000.0,1000.0],[3000.0,3000.0]]}"}});
+  const std::vector<ImageBoundRow> rows = image_bound_rows(study, 1);
+  ASSERT_EQ(rows.size(), 2u);
+  EXPECT_LT(rows[0].theta_deg[1], rows[1].theta_deg[1]);
+  EXPECT_LE(rows[0].theta_deg[0], rows[0].theta_deg[1]);
+  EXPECT_LT(rows[0].theta_deg[1], rows[0].theta_deg[2]);
+  EXPECT_THAT(image_bound_table("title", rows), HasSubstr("#"));
+}
+
+}  // namespace
+}  // namespace sightline
