@@ -69,7 +69,7 @@ const Rooms kPythonRooms = {{"module", {}}};
 
 const Rooms kScenesRooms = {
     {"builders", {"files", "mesh", "target"}},
-    {"scene", {"files", "random", "target"}},
+    {"scene", {"files", "mesh", "random", "target"}},
     {"target", {"files", "mesh"}},
     {"mesh", {"files"}},
     {"random", {}},
