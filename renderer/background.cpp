@@ -127,10 +127,10 @@ cv::Mat stars(const Background& background, cv::Size size) {
   return image;
 }
 
-cv::Mat picture(const Background& background, cv::Size size) {
-  const auto& pixels = *background.picture;
-  const int rows = static_cast<int>(pixels.size()) / background.picture_width;
-  const cv::Mat whole(rows, background.picture_width, CV_32F, const_cast<float*>(pixels.data()));
+// `type` is CV_32F or CV_32FC3.
+cv::Mat picture(const std::vector<float>& pixels, int columns, int type, cv::Size size) {
+  const int rows = static_cast<int>(pixels.size()) / columns / CV_MAT_CN(type);
+  const cv::Mat whole(rows, columns, type, const_cast<float*>(pixels.data()));
   const double scale = std::max(static_cast<double>(size.width) / whole.cols,
                                 static_cast<double>(size.height) / whole.rows);
   const auto part = [scale](int needed, int given) {
@@ -155,12 +155,21 @@ cv::Mat unclipped(const Background& background, cv::Size size) {
     case BackgroundKind::kStars:
       return stars(background, size);
     case BackgroundKind::kImage:
-      return picture(background, size);
+      return picture(*background.picture, background.picture_width, CV_32F, size);
   }
   return uniform(background.level, size);
 }
 
 }  // namespace
+
+cv::Mat colour_background_image(const Background& background, cv::Size size) {
+  if (background.kind == BackgroundKind::kImage && background.colours) {
+    return picture(*background.colours, background.picture_width, CV_32FC3, size);
+  }
+  cv::Mat colours;
+  cv::cvtColor(background_image(background, size), colours, cv::COLOR_GRAY2BGR);
+  return colours;
+}
 
 cv::Mat background_image(const Background& background, cv::Size size) {
   cv::Mat image = unclipped(background, size);

@@ -22,4 +22,7 @@ namespace sightline {
 /// middle.
 cv::Mat background_image(const Background& background, cv::Size size);
 
+/// The same in colour: CV_32FC3, blue, green and red. A picture has its colours, all else is grey.
+cv::Mat colour_background_image(const Background& background, cv::Size size);
+
 }  // namespace sightline

@@ -9,19 +9,20 @@
 
 #include <Eigen/LU>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "renderer/background.h"
+#include "renderer/colour_resolver.h"
 #include "renderer/gl_painter.h"
 #include "renderer/screen.h"
 #include "renderer/sensor.h"
 #include "renderer/shading.h"
+#include "renderer/texture.h"
 #include "renderer/truth.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {
-
-constexpr double kShadowTexelPx = 0.1;  // as the image sees it, where ShadowMap can hold that many
 
 class Stopwatch {
  public:
@@ -51,16 +52,28 @@ Pose pose_at(const Scene& scene, double time) {
 std::vector<Shader> shaders_of(const std::vector<PlacedBody>& bodies, const Scene& scene) {
   std::vector<Shader> shaders;
   for (size_t b = 0; b < bodies.size(); ++b) {
-    std::unique_ptr<const ShadowMap> shadow;
-    if (scene.light.casts_shadow) {
-      const double px_per_m = std::max(scene.camera.fx_px, scene.camera.fy_px) /
-                              bodies[b].cam_from_body.translation.z();
-      shadow = std::make_unique<ShadowMap>(bodies, b, scene.light.to_light_in_cam,
-                                           kShadowTexelPx / px_per_m);
-    }
-    shaders.emplace_back(bodies[b], scene.light, std::move(shadow));
+    shaders.emplace_back(bodies[b], scene.light, shadow_on(bodies, b, scene));
   }
   return shaders;
+}
+
+bool has_paint(const Scene& scene) {
+  return !scene.target->mesh.coats.empty() ||
+         std::any_of(scene.others.begin(), scene.others.end(),
+                     [](const OtherBody& other) { return !other.target->mesh.coats.empty(); });
+}
+
+// Grey surfaces alone are drawn as they always were.
+bool needs_colour(const Scene& scene) {
+  const Colouring& colouring = scene.colouring;
+  return colouring.mode != ColourMode::kGrey || (colouring.draws_textures && has_paint(scene));
+}
+
+cv::Mat to_grey(const cv::Mat& blue_green_red) {
+  cv::Mat grey;
+  cv::transform(blue_green_red, grey,
+                cv::Matx13d(0.0722, 0.7152, 0.2126));  // as luminance() has it
+  return grey;
 }
 
 // Turns what samples see into light.
@@ -138,6 +151,17 @@ class Resolver {
   std::vector<Seen> seen_ = std::vector<Seen>(pattern_.count);
 };
 
+float mean_of(Resolver& resolver, int x, int y, const uint32_t* ids, float background) {
+  return resolver.mean(x, y, ids, background);
+}
+
+cv::Vec3f mean_of(ColourResolver& resolver, int x, int y, const uint32_t* ids,
+                  const cv::Vec3f& background) {
+  const Eigen::Array3f rgb =
+      resolver.mean(x, y, ids, {background[2], background[1], background[0]});
+  return {rgb[2], rgb[1], rgb[0]};
+}
+
 }  // namespace
 
 struct Renderer::Impl {
@@ -157,17 +181,29 @@ struct Renderer::Impl {
     const SamplePattern& pattern = sample_pattern(scene.samples_per_pixel);
     painter->start(triangles, touched_box(triangles, screen.canvas()), pattern);
     times.draw_ms += watch.lap();
-    Resolver resolver(bodies, scene, screen, pattern);
+    if (image.channels() == 1) {
+      Resolver resolver(bodies, scene, screen, pattern);
+      resolve<float>(resolver, pattern, watch, image);
+    } else {
+      ColourResolver resolver(bodies, scene, screen, pattern, textures);
+      resolve<cv::Vec3f>(resolver, pattern, watch, image);
+    }
+  }
+
+  // Gives every pixel that the painter touches the mean of its samples over what the image holds.
+  template <typename Pixel, typename AnyResolver>
+  void resolve(AnyResolver& resolver, const SamplePattern& pattern, Stopwatch& watch,
+               cv::Mat& image) {
     times.resolve_ms += watch.lap();
     while (painter->next(strip)) {
       times.readback_ms += strip.readback_ms;
       times.draw_ms += watch.lap() - strip.readback_ms;
       for (int y = strip.box.top; y < strip.box.bottom; ++y) {
-        float* row = image.ptr<float>(y);
+        Pixel* row = image.ptr<Pixel>(y);
         for (int x = strip.box.left; x < strip.box.right; ++x) {
           const size_t pixel = strip.pixel(x, y);
           if (!strip.is_touched[pixel]) continue;
-          row[x] = resolver.mean(x, y, strip.ids.data() + pixel * pattern.count, row[x]);
+          row[x] = mean_of(resolver, x, y, strip.ids.data() + pixel * pattern.count, row[x]);
         }
       }
       times.resolve_ms += watch.lap();
@@ -175,8 +211,9 @@ struct Renderer::Impl {
   }
 
   cv::Mat linear(const Scene& scene) {
-    const cv::Mat background =
-        background_image(scene.background, cv::Size(scene.camera.width_px, scene.camera.height_px));
+    const cv::Size size(scene.camera.width_px, scene.camera.height_px);
+    const cv::Mat background = needs_colour(scene) ? colour_background_image(scene.background, size)
+                                                   : background_image(scene.background, size);
     const int poses = scene.motion.is_still() ? 1 : scene.motion.samples;
     cv::Mat sum;
     for (int i = 0; i < poses; ++i) {
@@ -188,6 +225,8 @@ struct Renderer::Impl {
         sum += image;
       }
     }
+    const bool is_painted_grey = sum.channels() == 3 && scene.colouring.mode == ColourMode::kGrey;
+    if (is_painted_grey) sum = to_grey(sum);
     return poses == 1 ? sum : sum / poses;
   }
 
@@ -195,6 +234,7 @@ struct Renderer::Impl {
   // Kept between frames for their memory.
   std::vector<ScreenTriangle> triangles;
   VisibleStrip strip;
+  TextureCache textures;
   DrawTimes times;
 };
 
@@ -206,7 +246,15 @@ Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 Frame Renderer::render(const Scene& scene, RandomStream noise) {
   require_imageable(scene);
   Frame frame;
-  frame.image = expose(impl_->linear(scene), scene.sensor, noise);
+  const bool is_mosaic = scene.colouring.mode == ColourMode::kBayer;
+  const cv::Mat exposed = is_mosaic ? expose_mosaic(impl_->linear(scene), scene.sensor, noise)
+                                    : expose(impl_->linear(scene), scene.sensor, noise);
+  if (exposed.channels() == 3) {
+    frame.colour = exposed;
+    cv::cvtColor(exposed, frame.image, cv::COLOR_BGR2GRAY);
+  } else {
+    frame.image = exposed;
+  }
   Stopwatch watch;
   state_truth(scene, frame);
   impl_->times.truth_ms += watch.lap();

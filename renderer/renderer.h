@@ -31,8 +31,10 @@ struct DrawTimes {
 /// The image is linear (never gamma-encoded: that would move edges) and box-filtered: each pixel is
 /// the mean of its samples (sample_pattern), where nothing is of its background. A surface that
 /// only turns is shaded once a pixel, at the sample nearest to the pixel's centre; stripes, shadows
-/// and highlights at every sample. Depth, ids and all other truth are those of the pixels' centres
-/// and never depend on how the image is drawn. One renderer belongs to one thread.
+/// and highlights at every sample, and so are textures, filtered (colour_resolver.h). The grey
+/// image of a picture in colour is made of its stored numbers, as OpenCV does. Depth, ids and all
+/// other truth are those of the pixels' centres and never depend on how the image is drawn. One
+/// renderer belongs to one thread.
 class Renderer {
  public:
   /// Throws GraphicsError when OpenGL is asked for and there is no context to be had.
@@ -45,7 +47,8 @@ class Renderer {
   /// Throws InputError when the scene cannot be imaged (why_not_imageable).
   Frame render(const Scene& scene, RandomStream noise);
 
-  /// The light on the focal plane before the sensor: CV_32F, 1 is white. Each sample is clipped at
+  /// The light on the focal plane before the sensor: CV_32F, of a scene in colour CV_32FC3 (blue,
+  /// green, red), 1 is white. Each sample is clipped at
   /// white, as if the highlights were saturated before the blur. A moving target is the mean of its
   /// images along the way.
   cv::Mat render_linear(const Scene& scene);

@@ -9,6 +9,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "scenes/picture/picture_file.h"
+
 namespace sightline {
 namespace {
 
@@ -104,11 +106,102 @@ cv::Mat exposed(const cv::Mat& linear, const Sensor& sensor, int type, RandomStr
   return image;
 }
 
+// What the lens loses towards the corners.
+cv::Mat vignetted(const cv::Mat& linear, double loss) {
+  if (!(loss > 0)) return linear;
+  const double middle_u = (linear.cols - 1) / 2.0;
+  const double middle_v = (linear.rows - 1) / 2.0;
+  const double corner = middle_u * middle_u + middle_v * middle_v;
+  const int channels = linear.channels();
+  cv::Mat out = linear.clone();
+  for (int v = 0; v < out.rows; ++v) {
+    float* row = out.ptr<float>(v);
+    for (int u = 0; u < out.cols; ++u) {
+      const double square = (u - middle_u) * (u - middle_u) + (v - middle_v) * (v - middle_v);
+      const auto left = static_cast<float>(corner > 0 ? 1 - loss * square / corner : 1);
+      for (int c = 0; c < channels; ++c) row[u * channels + c] *= left;
+    }
+  }
+  return out;
+}
+
+cv::Mat exposed(const cv::Mat& linear, const Sensor& sensor, RandomStream& noise) {
+  return sensor.bits <= 8 ? exposed<uint8_t>(linear, sensor, CV_8U, noise)
+                          : exposed<uint16_t>(linear, sensor, CV_16U, noise);
+}
+
+// Three sensors behind one lens, blue, green and red: each has noise of its own, red's first, and
+// all have their defects at the same pixels.
+std::vector<cv::Mat> exposed_channels(const cv::Mat& linear, const Sensor& sensor,
+                                      RandomStream& noise) {
+  std::vector<cv::Mat> channels;
+  cv::split(linear, channels);
+  for (size_t c = channels.size(); c-- > 0;) {
+    Sensor own = sensor;
+    own.gain *= sensor.white_balance[2 - static_cast<Eigen::Index>(c)];
+    channels[c] = exposed(channels[c], own, noise);
+  }
+  return channels;
+}
+
+// Of each pixel the one channel that its photosite sees.
+template <typename Pixel>
+cv::Mat mosaic_of(const std::vector<cv::Mat>& channels) {
+  cv::Mat mosaic(channels[0].size(), channels[0].type());
+  for (int v = 0; v < mosaic.rows; ++v) {
+    for (int u = 0; u < mosaic.cols; ++u) {
+      const size_t channel = 2 - static_cast<size_t>(u % 2 + v % 2);  // red, green / green, blue
+      mosaic.at<Pixel>(v, u) = channels[channel].at<Pixel>(v, u);
+    }
+  }
+  return mosaic;
+}
+
+template <typename Pixel>
+void encode_srgb_codes(cv::Mat& image, int bits) {
+  const double white = std::exp2(bits) - 1;
+  std::vector<Pixel> code_of(static_cast<size_t>(white) + 1);
+  for (size_t code = 0; code < code_of.size(); ++code) {
+    const auto light = static_cast<float>(static_cast<double>(code) / white);
+    float encoded = 0;
+    encode_srgb(&light, &encoded, 1, 1);
+    code_of[code] = static_cast<Pixel>(std::lround(encoded * white));
+  }
+  const int count = image.cols * image.channels();
+  for (int v = 0; v < image.rows; ++v) {
+    Pixel* row = image.ptr<Pixel>(v);
+    // Codes of fewer bits than the pixel has stay below white.
+    for (int i = 0; i < count; ++i) row[i] = code_of[std::min<size_t>(row[i], code_of.size() - 1)];
+  }
+}
+
+cv::Mat compressed(const cv::Mat& image, const Sensor& sensor) {
+  if (sensor.jpeg_quality == 0) return image;
+  return decode_picture(jpeg_bytes(image, sensor.jpeg_quality)).pixels;
+}
+
 }  // namespace
 
 cv::Mat expose(const cv::Mat& linear, const Sensor& sensor, RandomStream noise) {
-  return sensor.bits <= 8 ? exposed<uint8_t>(linear, sensor, CV_8U, noise)
-                          : exposed<uint16_t>(linear, sensor, CV_16U, noise);
+  const cv::Mat light = vignetted(linear, sensor.vignetting);
+  if (light.channels() == 1) return compressed(exposed(light, sensor, noise), sensor);
+  cv::Mat image;
+  cv::merge(exposed_channels(light, sensor, noise), image);
+  return compressed(image, sensor);
+}
+
+cv::Mat expose_mosaic(const cv::Mat& linear, const Sensor& sensor, RandomStream noise) {
+  Sensor photosites = sensor;
+  photosites.is_srgb = false;
+  const std::vector<cv::Mat> channels =
+      exposed_channels(vignetted(linear, sensor.vignetting), photosites, noise);
+  const bool is_wide = sensor.bits > 8;
+  const cv::Mat mosaic = is_wide ? mosaic_of<uint16_t>(channels) : mosaic_of<uint8_t>(channels);
+  cv::Mat image;
+  cv::demosaicing(mosaic, image, cv::COLOR_BayerRGGB2BGR);
+  if (sensor.is_srgb && is_wide) encode_srgb_codes<uint16_t>(image, sensor.bits);
+  if (sensor.is_srgb && !is_wide) encode_srgb_codes<uint8_t>(image, sensor.bits);
+  return compressed(image, sensor);
 }
 
 }  // namespace sightline

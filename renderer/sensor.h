@@ -9,12 +9,20 @@
 
 namespace sightline {
 
-/// What the sensor makes of the light on the focal plane (CV_32F, 1 is white): Gaussian point
-/// spread, photon noise (Gaussian of the Poisson's variance), read noise, gain, sRGB encoding where
-/// asked for, rounding to 2^bits - 1 steps, clipping, dead and hot pixels. CV_8U up to 8 bits, else
-/// CV_16U. Noise is drawn row by row from the stream; which pixels are dead or hot depends on
-/// `defect_seed` and the image's size alone, and a larger dead_fraction adds to the dead of a
-/// smaller one.
+/// What the sensor makes of the light on the focal plane (CV_32F, 1 is white): vignetting, Gaussian
+/// point spread, photon noise (Gaussian of the Poisson's variance), read noise, gain, sRGB encoding
+/// where asked for, rounding to 2^bits - 1 steps, clipping, dead and hot pixels. CV_8U up to 8
+/// bits, else CV_16U. Noise is drawn row by row from the stream; which pixels are dead or hot
+/// depends on `defect_seed` and the image's size alone, and a larger dead_fraction adds to the dead
+/// of a smaller one. Of light in colour (CV_32FC3) each channel goes through a sensor of its own,
+/// with the defects of the others, and gain times its white balance. Where the sensor has a JPEG
+/// quality the image is what is left after that compression.
 cv::Mat expose(const cv::Mat& linear, const Sensor& sensor, RandomStream noise);
+
+/// The same of light in colour on a mosaic of photosites, the top-left four red, green, green and
+/// blue: each photosite has noise and defects of its own, and what a pixel lacks is interpolated
+/// bilinearly from its neighbours' numbers; only then sRGB encodes, where asked for. Three
+/// channels.
+cv::Mat expose_mosaic(const cv::Mat& linear, const Sensor& sensor, RandomStream noise);
 
 }  // namespace sightline

@@ -11,11 +11,6 @@
 namespace sightline {
 namespace {
 
-Eigen::Vector3d winding_normal(const Mesh& mesh, const Triangle& triangle) {
-  const Eigen::Vector3d& a = mesh.vertices[triangle.vertex[0]];
-  return (mesh.vertices[triangle.vertex[1]] - a).cross(mesh.vertices[triangle.vertex[2]] - a);
-}
-
 // Rows: two axes across the light's rays, then the direction to the light.
 Eigen::Matrix3d light_axes(const Eigen::Vector3d& to_light) {
   Eigen::Matrix3d axes;
@@ -25,6 +20,11 @@ Eigen::Matrix3d light_axes(const Eigen::Vector3d& to_light) {
 }
 
 }  // namespace
+
+Eigen::Vector3d winding_normal(const Mesh& mesh, const Triangle& triangle) {
+  const Eigen::Vector3d& a = mesh.vertices[triangle.vertex[0]];
+  return (mesh.vertices[triangle.vertex[1]] - a).cross(mesh.vertices[triangle.vertex[2]] - a);
+}
 
 RayHits::RayHits(const PlacedBody& body)
     : body_(body),
@@ -127,6 +127,7 @@ Shader::Shader(const PlacedBody& body, const Light& light, std::unique_ptr<const
     : hits_(body),
       light_(light),
       to_light_(body.cam_from_body.rotation.transpose() * light.to_light_in_cam),
+      to_second_(body.cam_from_body.rotation.transpose() * light.to_second_in_cam),
       shadow_(std::move(shadow)) {}
 
 bool Shader::has_detail() const {
@@ -144,9 +145,13 @@ double Shader::grey(const SurfacePoint& point) const {
   if (!point.is_front) normal = -normal;
   const double length = normal.norm();
   double towards_light = length > 0 ? normal.dot(to_light_) / length : 0;
+  double even = light_.ambient;
+  if (light_.second > 0 && length > 0) {
+    even += light_.second * std::max(0.0, normal.dot(to_second_) / length);
+  }
   double albedo = mesh.parts[triangle.part].albedo;
   if (!has_detail()) {
-    return albedo * (light_.ambient + light_.directional * std::max(0.0, towards_light));
+    return albedo * (even + light_.directional * std::max(0.0, towards_light));
   }
   const Eigen::Vector3d x = hits_.in_body(point);
   if (body.stripe_contrast > 0 &&
@@ -157,8 +162,8 @@ double Shader::grey(const SurfacePoint& point) const {
       !shadow_->is_lit(x, winding_normal(mesh, triangle))) {
     towards_light = 0;
   }
-  if (!(towards_light > 0)) return albedo * light_.ambient;
-  double grey = albedo * (light_.ambient + light_.directional * towards_light);
+  if (!(towards_light > 0)) return albedo * even;
+  double grey = albedo * (even + light_.directional * towards_light);
   if (light_.specular > 0) {
     const Eigen::Vector3d half_way = (hits_.eye_in_body() - x).normalized() + to_light_;
     const double cosine = std::max(0.0, normal.dot(half_way) / (length * half_way.norm()));

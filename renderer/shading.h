@@ -29,6 +29,9 @@ struct SurfacePoint {
   bool is_front = true;  ///< seen from the side that its winding calls outside
 };
 
+/// A triangle's normal by its winding, twice its area long.
+Eigen::Vector3d winding_normal(const Mesh& mesh, const Triangle& triangle);
+
 /// What rays from the camera meet on one body.
 class RayHits {
  public:
@@ -90,6 +93,7 @@ class Shader {
   RayHits hits_;
   Light light_;
   Eigen::Vector3d to_light_;  // body's frame
+  Eigen::Vector3d to_second_;
   std::unique_ptr<const ShadowMap> shadow_;
 };
 

@@ -70,9 +70,9 @@ const Rooms kPythonRooms = {{"module", {}}};
 
 const Rooms kScenesRooms = {
     {"builders", {"files", "mesh", "target"}},
-    {"scene", {"files", "picture", "random", "target"}},
+    {"scene", {"files", "mesh", "picture", "random", "target"}},
     {"target", {"files", "mesh"}},
-    {"mesh", {"files"}},
+    {"mesh", {"files", "picture"}},
     {"picture", {}},
     {"random", {}},
     {"files", {}},
@@ -99,7 +99,7 @@ const std::map<std::string, std::string> kCatalogues = {
 // Libraries that are slow to compile or tied to a platform: only .cpp files may name them.
 const std::vector<std::string> kHeavy = {"osmesa.h", "assimp/",  "CGAL/",     "tiny_gltf", "SQLite",
                                          "toml++",   "mustache", "Random123", "pugixml",
-                                         "png.h",    "tiffio",   "turbojpeg"};
+                                         "png.h",    "tiffio",   "turbojpeg", "webp/",  "stb/"};
 
 struct Include {
   fs::path file;

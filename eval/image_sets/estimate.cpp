@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
@@ -82,6 +83,22 @@ std::string in_time(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
+// Each once, however many cells there are.
+std::string notes_on_surfaces(const SetPlan& plan) {
+  std::vector<std::string> lines;
+  const auto add = [&lines](const SceneLaw& law, const Target& target) {
+    for (const std::string& note : surface_notes(law.colouring, target.mesh)) {
+      const std::string line = fmt::format("note: {}: {}\n", target.name, note);
+      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+    }
+  };
+  for (const ImageSetup& setup : plan.images().setups) {
+    add(setup.scene, *setup.scene.target);
+    for (const OtherLaw& other : setup.scene.others) add(setup.scene, *other.target);
+  }
+  return fmt::format("{}", fmt::join(lines, ""));
+}
+
 }  // namespace
 
 std::string warnings_of(const SetPlan& plan) {
@@ -94,6 +111,7 @@ std::string warnings_of(const SetPlan& plan) {
         "depth 0 (finest that reaches all: {})\n",
         plan.depth_scale, reach_m, far_m, finest_depth_scale(far_m));
   }
+  text += notes_on_surfaces(plan);
   const Camera& camera = plan.images().setups.front().scene.camera;
   if (!camera.distortion.is_zero() && !plan.format->lens_note.empty()) {
     text += fmt::format("warning: {}\n", plan.format->lens_note);

@@ -48,12 +48,15 @@ Json object_of(const std::vector<Fact>& facts) {
 }
 
 Json scene_json(const Scene& scene) {
-  return {{"light", object_of(facts_of(scene.light))},
-          {"background", object_of(facts_of(scene.background))},
-          {"livery", object_of(facts_of(scene.livery))},
-          {"motion", object_of(facts_of(scene.motion))},
-          {"sensor", object_of(facts_of(scene.sensor))},
-          {"samples_per_pixel", scene.samples_per_pixel}};
+  Json out = {{"light", object_of(facts_of(scene.light))},
+              {"background", object_of(facts_of(scene.background))},
+              {"livery", object_of(facts_of(scene.livery))},
+              {"motion", object_of(facts_of(scene.motion))},
+              {"sensor", object_of(facts_of(scene.sensor))},
+              {"samples_per_pixel", scene.samples_per_pixel}};
+  const std::vector<Fact> colouring = facts_of(scene.colouring);
+  if (!colouring.empty()) out["colouring"] = object_of(colouring);
+  return out;
 }
 
 Json feature_json(const TargetFeature& feature, const FeatureTruth& truth) {
@@ -297,6 +300,11 @@ std::vector<std::string> truth_problems(const fs::path& folder, const SetPlan& p
     problems.push_back(std::move(problem));
   }
   return problems;
+}
+
+bool is_in_colour(const Json& truth) {
+  const Json& scene = truth.at("scene");
+  return scene.contains("colouring") && scene.at("colouring").at("colour") != "grey";
 }
 
 Pose pose_in(const Json& body) {

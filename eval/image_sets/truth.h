@@ -39,6 +39,9 @@ std::optional<Json> read_truth(const std::filesystem::path& folder, const SetPla
 std::vector<std::string> truth_problems(const std::filesystem::path& folder, const SetPlan& plan,
                                         const Json& truth, int64_t index);
 
+/// Whether an image with this truth is in colour.
+bool is_in_colour(const Json& truth);
+
 /// A pose as truth states it.
 Pose pose_in(const Json& body);
 

@@ -136,6 +136,7 @@ std::string library_licences() {
       {"libjpeg-turbo", "libturbojpeg0-dev", "IJG AND BSD-3-Clause"},
       {"libpng", "libpng-dev", "libpng-2.0"},
       {"libtiff", "libtiff-dev", "libtiff"},
+      {"libwebp", "libwebp-dev", "BSD-3-Clause"},
       {"Mesa (loaded for --gl)", "libosmesa6-dev", "MIT"},
       {"Mustache", "libkainjow-mustache-dev", "BSL-1.0"},
       {"OpenCV", "libopencv-dev", "Apache-2.0"},
@@ -144,6 +145,7 @@ std::string library_licences() {
       {"Random123", "librandom123-dev", "BSD-3-Clause"},
       {"SQLite", "libsqlite3-dev", "blessing"},
       {"SQLiteCpp", "libsqlitecpp-dev", "MIT"},
+      {"stb_image", "libstb-dev", "MIT"},
       {"tinygltf", "libtinygltf-dev", "MIT"},
       {"toml++", "libtomlplusplus-dev", "MIT"},
   };

@@ -3,17 +3,22 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
+
+#include "scenes/mesh/material.h"
 
 namespace sightline {
 
 /// A painted or separate piece of a target. A triangle's part id in a frame is its index plus one.
 struct Part {
   std::string name;
-  double albedo = 0.8;  ///< linear reflectance, 0 to 1
+  double albedo = 0.8;  ///< linear reflectance, 0 to 1: in colour, the luminance of the factor
+  std::optional<Material> material = {};  ///< none: grey and dull
 };
 
 struct Triangle {
@@ -30,6 +35,10 @@ struct Mesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Triangle> triangles;
   std::vector<Part> parts;
+  std::vector<Coat> coats = {};  ///< one a triangle, or none of a mesh without textures and colours
+  std::vector<std::shared_ptr<const Texture>> textures = {};
+  /// Why textures that the file names cannot be drawn, a sentence each.
+  std::vector<std::string> lost_textures = {};
 };
 
 /// Sets every corner normal to the area-weighted mean of the normals of the faces around that

@@ -7,17 +7,21 @@
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
+#include <algorithm>
 #include <cstring>
 #include <fstream>
 #include <map>
 #include <optional>
 #include <set>
+#include <span>
 
 #include <Eigen/Geometry>
 #include <tiny_gltf.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/mesh/gltf_material.h"
 #include "scenes/mesh/mesh_soup.h"
+#include "scenes/mesh/textures.h"
 
 namespace sightline {
 namespace {
@@ -67,6 +71,24 @@ class Accessor {
     float xyz[3];
     std::memcpy(xyz, data_ + stride_ * i, sizeof xyz);
     return {xyz[0], xyz[1], xyz[2]};
+  }
+
+  // As many numbers of element i as `out` has; what the accessor lacks stays. Whole numbers are
+  // normalised, as glTF's coordinates and colours are.
+  void read_numbers(size_t i, std::span<float> out) const {
+    const int type = accessor_->componentType;
+    const int size = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(type));
+    const int there = tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor_->type));
+    for (size_t k = 0; k < std::min(out.size(), static_cast<size_t>(there)); ++k) {
+      const unsigned char* at = data_ + stride_ * i + k * size;
+      if (type == TINYGLTF_COMPONENT_TYPE_FLOAT) std::memcpy(&out[k], at, sizeof out[k]);
+      if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) out[k] = static_cast<float>(*at / 255.0);
+      if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
+        uint16_t value;
+        std::memcpy(&value, at, sizeof value);
+        out[k] = static_cast<float>(value / 65535.0);
+      }
+    }
   }
 
   size_t index(size_t i) const {
@@ -125,7 +147,7 @@ constexpr int kMaxDepth = 256;
 class Reader {
  public:
   Reader(const tinygltf::Model& model, const std::filesystem::path& file)
-      : model_(model), file_(file) {}
+      : model_(model), file_(file), shelf_(soup_, file), materials_(model, shelf_) {}
 
   MeshSoup read() {
     for (const int node : root_nodes()) add_node(node, Eigen::Matrix4d::Identity(), 0);
@@ -187,7 +209,9 @@ class Reader {
                                   : corner_count < 3              ? 0
                                                                   : corner_count - 2;
     require_room(soup_, triangle_count, file_);
-    soup_.parts.push_back({part_name(primitive, node), albedo_of(primitive)});
+    const CoatAccessors coats = coats_of(primitive);
+    soup_.parts.push_back(
+        {part_name(primitive, node), albedo_of(primitive), material_of(primitive, coats)});
     for (size_t i = 0; i < triangle_count; ++i) {
       SoupTriangle triangle;
       triangle.part = static_cast<int>(soup_.parts.size()) - 1;
@@ -198,25 +222,68 @@ class Reader {
         triangle.corner[c] = positions.vector3(vertex);
         const bool has_normal = normals && vertex < normals->count();
         triangle.normal[c] = has_normal ? normals->vector3(vertex) : Eigen::Vector3d::Zero();
+        coats.read(vertex, c, triangle.coat);
       }
       add_transformed(soup_, triangle, file_from_node);
     }
   }
 
+  // Where a primitive's corners have texture coordinates and colours.
+  struct CoatAccessors {
+    std::optional<Accessor> uv;
+    std::optional<Accessor> colours;
+
+    void read(size_t vertex, int corner, Coat& coat) const {
+      if (uv && vertex < uv->count()) uv->read_numbers(vertex, {coat.uv[corner].data(), 2});
+      if (!colours || vertex >= colours->count()) return;
+      Eigen::Vector4f& colour = coat.colour[corner];
+      colours->read_numbers(vertex, {colour.data(), 4});
+      for (float& channel : colour) channel = channel > 0 ? std::min(channel, 1.0f) : 0.0f;
+    }
+  };
+
+  bool has_material(const tinygltf::Primitive& primitive) const {
+    return primitive.material >= 0 &&
+           primitive.material < static_cast<int>(model_.materials.size());
+  }
+
+  CoatAccessors coats_of(const tinygltf::Primitive& primitive) {
+    const int set = has_material(primitive) ? materials_.uv_set(primitive.material) : 0;
+    CoatAccessors out;
+    const auto& attributes = primitive.attributes;
+    const auto uv = attributes.find(fmt::format("TEXCOORD_{}", set));
+    const auto colours = attributes.find("COLOR_0");
+    if (uv != attributes.end()) out.uv.emplace(model_, uv->second, file_);
+    if (colours != attributes.end()) out.colours.emplace(model_, colours->second, file_);
+    return out;
+  }
+
+  std::optional<Material> material_of(const tinygltf::Primitive& primitive,
+                                      const CoatAccessors& coats) {
+    std::optional<Material> material;
+    if (has_material(primitive)) material = materials_.material(primitive.material);
+    if (!material && coats.colours) material.emplace();  // white and dull
+    if (!material) return material;
+    if (!coats.uv) {
+      for (TextureRef* ref : material->textures()) *ref = {};
+    }
+    const auto refs = material->textures();
+    const bool has_texture =
+        std::any_of(refs.begin(), refs.end(), [](const TextureRef* r) { return r->is_there(); });
+    soup_.has_coats = soup_.has_coats || has_texture || coats.colours;
+    return material;
+  }
+
   std::string part_name(const tinygltf::Primitive& primitive, const tinygltf::Node& node) const {
     if (!node.name.empty() && model_.meshes[node.mesh].primitives.size() == 1) return node.name;
-    const bool has_material =
-        primitive.material >= 0 && primitive.material < static_cast<int>(model_.materials.size());
-    if (has_material && !model_.materials[primitive.material].name.empty()) {
+    if (has_material(primitive) && !model_.materials[primitive.material].name.empty()) {
       return model_.materials[primitive.material].name;
     }
     return fmt::format("part_{}", soup_.parts.size());
   }
 
   double albedo_of(const tinygltf::Primitive& primitive) const {
-    if (primitive.material < 0 || primitive.material >= static_cast<int>(model_.materials.size())) {
-      return Part{}.albedo;
-    }
+    if (!has_material(primitive)) return Part{}.albedo;
     const auto& colour = model_.materials[primitive.material].pbrMetallicRoughness.baseColorFactor;
     return colour.size() < 3 ? Part{}.albedo : luminance(colour[0], colour[1], colour[2]);
   }
@@ -225,6 +292,8 @@ class Reader {
   const std::filesystem::path& file_;
   std::set<int> visited_;
   MeshSoup soup_;
+  TextureShelf shelf_;
+  GltfMaterials materials_;
 };
 
 constexpr std::string_view kBinaryMagic = "glTF";
@@ -272,114 +341,6 @@ bool read_buffer(std::vector<unsigned char>* out, std::string* error, const std:
   return static_cast<bool>(stream);
 }
 
-// Accumulates the one binary buffer of the file that is written.
-class BufferWriter {
- public:
-  explicit BufferWriter(tinygltf::Model& model) : model_(model) { model_.buffers.resize(1); }
-
-  template <typename T>
-  int add(const std::vector<T>& values, int type, int component_type, int target,
-          size_t values_per_element) {
-    std::vector<unsigned char>& bytes = model_.buffers[0].data;
-    tinygltf::BufferView view;
-    view.buffer = 0;
-    view.byteOffset = bytes.size();
-    view.byteLength = values.size() * sizeof(T);
-    view.target = target;
-    bytes.resize(bytes.size() + view.byteLength);
-    std::memcpy(bytes.data() + view.byteOffset, values.data(), view.byteLength);
-    model_.bufferViews.push_back(view);
-    tinygltf::Accessor accessor;
-    accessor.bufferView = static_cast<int>(model_.bufferViews.size()) - 1;
-    accessor.type = type;
-    accessor.componentType = component_type;
-    accessor.count = values.size() / values_per_element;
-    model_.accessors.push_back(accessor);
-    return static_cast<int>(model_.accessors.size()) - 1;
-  }
-
- private:
-  tinygltf::Model& model_;
-};
-
-struct PartVertices {
-  std::vector<float> positions;
-  std::vector<float> normals;
-  std::vector<uint32_t> indices;
-};
-
-// Target frame (x forward, y starboard, z down) to glTF's (z forward, y up, x port).
-std::array<float, 3> to_gltf(const Eigen::Vector3d& v) {
-  return {static_cast<float>(-v.y()), static_cast<float>(-v.z()), static_cast<float>(v.x())};
-}
-
-PartVertices vertices_of(const Mesh& mesh, int part) {
-  PartVertices out;
-  std::map<std::array<float, 6>, uint32_t> index_of;
-  for (const Triangle& triangle : mesh.triangles) {
-    if (triangle.part != part) continue;
-    for (int c = 0; c < 3; ++c) {
-      const auto position = to_gltf(mesh.vertices[triangle.vertex[c]]);
-      const auto normal = to_gltf(triangle.normal[c]);
-      const std::array<float, 6> key{position[0], position[1], position[2],
-                                     normal[0],   normal[1],   normal[2]};
-      const auto [at, is_new] = index_of.emplace(key, static_cast<uint32_t>(index_of.size()));
-      if (is_new) {
-        out.positions.insert(out.positions.end(), position.begin(), position.end());
-        out.normals.insert(out.normals.end(), normal.begin(), normal.end());
-      }
-      out.indices.push_back(at->second);
-    }
-  }
-  return out;
-}
-
-// glTF demands the bounds of every position accessor.
-void set_bounds(tinygltf::Accessor& accessor, const std::vector<float>& positions) {
-  accessor.minValues.assign(3, std::numeric_limits<double>::infinity());
-  accessor.maxValues.assign(3, -std::numeric_limits<double>::infinity());
-  for (size_t i = 0; i < positions.size(); ++i) {
-    accessor.minValues[i % 3] = std::min<double>(accessor.minValues[i % 3], positions[i]);
-    accessor.maxValues[i % 3] = std::max<double>(accessor.maxValues[i % 3], positions[i]);
-  }
-}
-
-void add_part(tinygltf::Model& model, BufferWriter& writer, const Mesh& mesh, int part) {
-  const PartVertices vertices = vertices_of(mesh, part);
-  tinygltf::Primitive primitive;
-  primitive.mode = TINYGLTF_MODE_TRIANGLES;
-  primitive.material = static_cast<int>(model.materials.size());
-  primitive.attributes["POSITION"] =
-      writer.add(vertices.positions, TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT,
-                 TINYGLTF_TARGET_ARRAY_BUFFER, 3);
-  set_bounds(model.accessors.back(), vertices.positions);
-  primitive.attributes["NORMAL"] =
-      writer.add(vertices.normals, TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT,
-                 TINYGLTF_TARGET_ARRAY_BUFFER, 3);
-  primitive.indices =
-      writer.add(vertices.indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
-                 TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, 1);
-
-  tinygltf::Material material;
-  material.name = mesh.parts[part].name;
-  const double albedo = mesh.parts[part].albedo;
-  material.pbrMetallicRoughness.baseColorFactor = {albedo, albedo, albedo, 1};
-  material.pbrMetallicRoughness.metallicFactor = 0;
-  material.pbrMetallicRoughness.roughnessFactor = 1;
-  model.materials.push_back(material);
-
-  tinygltf::Mesh gltf_mesh;
-  gltf_mesh.name = mesh.parts[part].name;
-  gltf_mesh.primitives.push_back(primitive);
-  model.meshes.push_back(gltf_mesh);
-
-  tinygltf::Node node;
-  node.name = mesh.parts[part].name;
-  node.mesh = static_cast<int>(model.meshes.size()) - 1;
-  model.nodes.push_back(node);
-  model.scenes[0].nodes.push_back(static_cast<int>(model.nodes.size()) - 1);
-}
-
 }  // namespace
 
 MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& file) {
@@ -390,10 +351,14 @@ MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& fi
                          .ReadWholeFile = read_buffer,
                          .WriteWholeFile = tinygltf::WriteWholeFile,
                          .user_data = &folder});
-  // Textures are not drawn: accept images of any kind without decoding them.
-  loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int,
-                           const unsigned char*, int, void*) { return true; },
-                        nullptr);
+  // Images stay as their files have them: which are needed, and how, the materials say.
+  loader.SetImageLoader(
+      [](tinygltf::Image* image, const int, std::string*, std::string*, int, int,
+         const unsigned char* image_bytes, int count, void*) {
+        image->image.assign(image_bytes, image_bytes + count);
+        return true;
+      },
+      nullptr);
   if (bytes.size() > std::numeric_limits<unsigned>::max()) fail(file, "it is larger than 4 GiB");
   const auto size = static_cast<unsigned>(bytes.size());
   const bool is_binary = bytes.starts_with(kBinaryMagic);
@@ -412,24 +377,6 @@ MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& fi
 
 MeshSoup read_gltf(const std::filesystem::path& file) {
   return read_gltf_bytes(read_whole(file), file);
-}
-
-void write_glb(const Mesh& mesh, const std::filesystem::path& file) {
-  tinygltf::Model model;
-  model.asset.version = "2.0";
-  model.asset.generator = "sightline";
-  model.scenes.resize(1);
-  model.defaultScene = 0;
-  BufferWriter writer(model);
-  for (size_t part = 0; part < mesh.parts.size(); ++part) {
-    add_part(model, writer, mesh, static_cast<int>(part));
-  }
-  // To a stream of our own: tinygltf's writer to a file does not notice when it cannot be opened.
-  std::ofstream stream(file, std::ios::binary);
-  tinygltf::TinyGLTF gltf;
-  const bool is_written = gltf.WriteGltfSceneToStream(&model, stream, false, true);
-  stream.close();
-  if (!is_written || !stream) throw InputError(fmt::format("{}: cannot be written", file.string()));
 }
 
 }  // namespace sightline

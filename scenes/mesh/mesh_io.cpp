@@ -167,6 +167,7 @@ LoadedMesh weld(const MeshSoup& soup) {
     }
     const SoupTriangle& source = soup.triangles[i];
     mesh.triangles.push_back({corners[i], source.part, source.normal});
+    if (soup.has_coats) mesh.coats.push_back(source.coat);
   }
   fill_missing_normals(mesh);
   return loaded;
@@ -242,6 +243,10 @@ LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::p
   require_size(soup, file);
   transform(soup, target_from_file, frame.unit_m);
   LoadedMesh loaded = weld(soup);
+  for (Texture& texture : soup.textures) {
+    loaded.mesh.textures.push_back(std::make_shared<const Texture>(std::move(texture)));
+  }
+  loaded.mesh.lost_textures = std::move(soup.lost_textures);
   if (loaded.mesh.triangles.empty()) {
     throw InputError(fmt::format("{}: all its triangles are degenerate", file.string()));
   }

@@ -20,12 +20,16 @@ struct SoupTriangle {
   std::array<Eigen::Vector3d, 3> corner;
   std::array<Eigen::Vector3d, 3> normal;  ///< unit, or zero where the file has none
   int part = 0;
+  Coat coat = {};  ///< means something where the soup has coats
 };
 
 /// What the readers of mesh files hand to the one place that cleans meshes.
 struct MeshSoup {
   std::vector<SoupTriangle> triangles;
   std::vector<Part> parts;
+  bool has_coats = false;
+  std::vector<Texture> textures = {};
+  std::vector<std::string> lost_textures = {};  ///< as in a Mesh
 };
 
 constexpr size_t kMaxTriangles = 2'000'000;  ///< a target, not a scan: some GB at the most

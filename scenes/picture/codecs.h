@@ -23,11 +23,15 @@ inline constexpr const char* kTornPicture = "is torn or damaged";
 std::optional<cv::Size> png_size(std::string_view bytes);
 std::optional<cv::Size> jpeg_size(std::string_view bytes);
 std::optional<cv::Size> tiff_size(std::string_view bytes);
+std::optional<cv::Size> webp_size(std::string_view bytes);
+std::optional<cv::Size> bmp_size(std::string_view bytes);
 
 PictureReading decode_png(std::string_view bytes, PictureChannels channels);
 PictureReading decode_jpeg(std::string_view bytes, PictureChannels channels);
-/// Grey is asked of a TIFF by converting what is stored.
+/// Of these, grey is what is stored, converted.
 PictureReading decode_tiff(std::string_view bytes);
+PictureReading decode_webp(std::string_view bytes);
+PictureReading decode_bmp(std::string_view bytes);
 
 /// How a JPEG's Exif block says that the picture is turned: 1 (upright) to 8, 1 where it says
 /// nothing.

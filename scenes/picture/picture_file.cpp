@@ -43,20 +43,32 @@ cv::Mat as_grey_of_8_bits(const cv::Mat& stored) {
   return narrow;
 }
 
-PictureReading grey_of(PictureReading reading) {
-  if (reading.pixels.empty()) return reading;
-  if (reading.pixels.depth() == CV_32F) return {{}, "holds numbers, not grey levels"};
-  return {as_grey_of_8_bits(reading.pixels), {}};
+cv::Mat as_colours_of_8_bits(const cv::Mat& stored) {
+  cv::Mat narrow = stored, colours;
+  if (stored.depth() == CV_16U) stored.convertTo(narrow, CV_8U, 1.0 / 257.0);
+  if (narrow.channels() == 3) return narrow;
+  cv::cvtColor(narrow, colours, narrow.channels() == 1 ? cv::COLOR_GRAY2BGR : cv::COLOR_BGRA2BGR);
+  return colours;
 }
 
-enum class PictureFormat { kPng, kJpeg, kTiff, kOther };
+PictureReading converted(const PictureReading& reading, PictureChannels channels) {
+  if (reading.pixels.empty() || channels == PictureChannels::kAsStored) return reading;
+  if (reading.pixels.depth() == CV_32F) return {{}, "holds numbers, not grey levels"};
+  return {channels == PictureChannels::kGrey ? as_grey_of_8_bits(reading.pixels)
+                                             : as_colours_of_8_bits(reading.pixels),
+          {}};
+}
+
+enum class PictureFormat { kPng, kJpeg, kTiff, kWebp, kBmp, kOther };
 
 PictureFormat format_of(std::string_view bytes) {
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return PictureFormat::kPng;
   if (bytes.starts_with("\xff\xd8\xff")) return PictureFormat::kJpeg;
   const std::string_view head = bytes.substr(0, 4);
   const bool is_tiff = head == std::string_view("II*\0", 4) || head == std::string_view("MM\0*", 4);
-  return is_tiff ? PictureFormat::kTiff : PictureFormat::kOther;
+  if (is_tiff) return PictureFormat::kTiff;
+  if (head == "RIFF" && bytes.substr(0, 12).ends_with("WEBP")) return PictureFormat::kWebp;
+  return head.starts_with("BM") ? PictureFormat::kBmp : PictureFormat::kOther;
 }
 
 struct FileBytes {
@@ -98,24 +110,26 @@ std::string size_problem(int64_t width, int64_t height, int64_t bytes_a_pixel) {
 }
 
 PictureReading decode_picture(std::string_view bytes, PictureChannels channels) {
-  const bool is_grey = channels == PictureChannels::kGrey;
   PictureReading reading;
   switch (format_of(bytes)) {
     case PictureFormat::kPng:
-      return decode_png(bytes, channels);
+      return converted(decode_png(bytes, channels), channels);
     case PictureFormat::kJpeg:
-      reading = decode_jpeg(bytes, channels);
-      if (is_grey && !reading.pixels.empty()) {
+      reading = converted(decode_jpeg(bytes, channels), channels);
+      if (channels != PictureChannels::kAsStored && !reading.pixels.empty()) {
         reading.pixels = turned_upright(reading.pixels, exif_orientation(bytes));
       }
       return reading;
     case PictureFormat::kTiff:
-      reading = decode_tiff(bytes);
-      return is_grey ? grey_of(reading) : reading;
+      return converted(decode_tiff(bytes), channels);
+    case PictureFormat::kWebp:
+      return converted(decode_webp(bytes), channels);
+    case PictureFormat::kBmp:
+      return converted(decode_bmp(bytes), channels);
     case PictureFormat::kOther:
       break;
   }
-  return {{}, "is no PNG, JPEG or TIFF"};
+  return {{}, "is no PNG, JPEG, TIFF, WebP or BMP"};
 }
 
 PictureReading read_picture_file(const fs::path& file, PictureChannels channels) {
@@ -124,8 +138,7 @@ PictureReading read_picture_file(const fs::path& file, PictureChannels channels)
   return decode_picture(bytes, channels);
 }
 
-std::optional<cv::Size> picture_size(const fs::path& file) {
-  const std::string bytes = bytes_of(file).bytes;
+std::optional<cv::Size> picture_size(std::string_view bytes) {
   switch (format_of(bytes)) {
     case PictureFormat::kPng:
       return png_size(bytes);
@@ -133,10 +146,18 @@ std::optional<cv::Size> picture_size(const fs::path& file) {
       return jpeg_size(bytes);
     case PictureFormat::kTiff:
       return tiff_size(bytes);
+    case PictureFormat::kWebp:
+      return webp_size(bytes);
+    case PictureFormat::kBmp:
+      return bmp_size(bytes);
     case PictureFormat::kOther:
       break;
   }
   return std::nullopt;
+}
+
+std::optional<cv::Size> picture_size(const fs::path& file) {
+  return picture_size(std::string_view(bytes_of(file).bytes));
 }
 
 }  // namespace sightline

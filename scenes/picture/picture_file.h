@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Pictures in files: PNG, JPEG and TIFF, by those formats' own libraries. Nothing is decoded before
-// the file's head has been held against the limits below.
+// Pictures in files: PNG, JPEG, TIFF and WebP by those formats' own libraries, BMP by stb_image.
+// Nothing is decoded before the file's head has been held against the limits below.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +24,7 @@ inline constexpr int64_t kMaxPictureBytes = int64_t{1} << 31;
 /// Which channels are asked of a picture.
 enum class PictureChannels {
   kAsStored,  ///< 1 (grey), 3 (blue, green, red) or 4 (and opacity), 8 or 16 bits, or 32-bit floats
+  kColour,    ///< 3 (blue, green, red) of 8 bits, upright as its camera says (Exif)
   kGrey,      ///< 1 of 8 bits, luma by ITU-R BT.601, upright as its camera says (Exif)
 };
 
@@ -44,6 +45,8 @@ PictureReading read_picture_file(const std::filesystem::path& file,
 /// The size that a file states, before anything of it is decoded; none where there is no such file,
 /// or no picture in it.
 std::optional<cv::Size> picture_size(const std::filesystem::path& file);
+/// The same of a file's bytes.
+std::optional<cv::Size> picture_size(std::string_view bytes);
 
 /// How long may be sought for what takes fewer bytes.
 enum class PngEffort { kFast, kSmall };

@@ -153,9 +153,14 @@ bool write_png(png_structp png, png_infop info, const cv::Mat& picture, uint8_t*
 }  // namespace
 
 std::optional<cv::Size> png_size(std::string_view bytes) {
-  PngReader reader(bytes);
-  if (!reader.read_head()) return std::nullopt;
-  return cv::Size(reader.width(), reader.height());
+  // The format's first chunk; libpng would read on to the pixels, which a torn file may not have.
+  constexpr size_t kWidthAt = 16, kHeightAt = 20, kEnd = 24;
+  if (bytes.size() < kEnd) return std::nullopt;
+  const auto* head = reinterpret_cast<png_const_bytep>(bytes.data());
+  const png_uint_32 width = png_get_uint_32(head + kWidthAt);
+  const png_uint_32 height = png_get_uint_32(head + kHeightAt);
+  if (width > PNG_UINT_31_MAX || height > PNG_UINT_31_MAX) return std::nullopt;
+  return cv::Size(static_cast<int>(width), static_cast<int>(height));
 }
 
 PictureReading decode_png(std::string_view bytes, PictureChannels channels) {

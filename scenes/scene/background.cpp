@@ -2,13 +2,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/scene/background.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "scenes/files/input_error.h"
 #include "scenes/picture/picture_file.h"
+#include "scenes/scene/colouring.h"
 
 namespace sightline {
 namespace {
@@ -22,25 +26,78 @@ Choice kind_choice(BackgroundKind& kind) {
   return choice(kind, std::move(worded));
 }
 
-// As grey on a linear scale: files are taken for sRGB.
+float linear(uint8_t code) {
+  const double encoded = code / 255.0;
+  return static_cast<float>(encoded <= 0.04045 ? encoded / 12.92
+                                               : std::pow((encoded + 0.055) / 1.055, 2.4));
+}
+
+std::shared_ptr<const std::vector<float>> linear_light(const cv::Mat& picture) {
+  std::array<float, 256> table{};
+  for (size_t code = 0; code < table.size(); ++code)
+    table[code] = linear(static_cast<uint8_t>(code));
+  auto pixels = std::make_shared<std::vector<float>>();
+  const int row_bytes = picture.cols * picture.channels();
+  pixels->reserve(picture.total() * static_cast<size_t>(picture.channels()));
+  for (int v = 0; v < picture.rows; ++v) {
+    const uint8_t* row = picture.ptr<uint8_t>(v);
+    for (int i = 0; i < row_bytes; ++i) pixels->push_back(table[row[i]]);
+  }
+  return pixels;
+}
+
+struct Pictures {
+  cv::Mat grey, colours;
+};
+
+struct PictureOfBackground {
+  Pictures pictures;
+  std::string problem;  // to stand after the file's name; empty where there is none
+};
+
+PictureOfBackground pictures_in(const std::filesystem::path& file, bool has_colour) {
+  PictureReading grey = read_picture_file(file, PictureChannels::kGrey);
+  if (!grey.problem.empty() || !has_colour) return {{grey.pixels, {}}, grey.problem};
+  PictureReading colours = read_picture_file(file, PictureChannels::kColour);
+  return {{grey.pixels, colours.pixels}, colours.problem};
+}
+
+// On a linear scale: files are taken for sRGB.
+template <typename Holder>
+void set_picture(const Pictures& pictures, Holder& to) {
+  to.picture = linear_light(pictures.grey);
+  if (!pictures.colours.empty()) to.colours = linear_light(pictures.colours);
+  to.picture_width = pictures.grey.cols;
+}
+
+// By name, so that a draw is the same on every machine.
+std::vector<std::filesystem::path> pictures_of(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> out;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (entry.is_regular_file() && picture_size(entry.path())) {
+      out.push_back(entry.path());
+    }
+  }
+  std::sort(out.begin(), out.end());
+  return out;
+}
+
 void read_picture(const TomlTable& table, BackgroundLaw& law) {
   const std::filesystem::path given = table.text("file");
   const std::filesystem::path beside = table.file().parent_path() / given;
   const std::filesystem::path file = std::filesystem::exists(beside) ? beside : given;
-  const auto [grey, problem] = read_picture_file(file, PictureChannels::kGrey);
-  if (!problem.empty())
-    table.fail("file", fmt::format("is \"{}\", which {}", given.string(), problem));
-  auto pixels = std::make_shared<std::vector<float>>();
-  pixels->reserve(grey.total());
-  for (int v = 0; v < grey.rows; ++v) {
-    for (int u = 0; u < grey.cols; ++u) {
-      const double encoded = grey.at<uint8_t>(v, u) / 255.0;
-      pixels->push_back(static_cast<float>(
-          encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4)));
+  if (std::filesystem::is_directory(file)) {
+    law.folder = pictures_of(file);
+    if (law.folder.empty()) {
+      table.fail("file", fmt::format("is \"{}\", a folder without pictures", given.string()));
     }
+    return;
   }
-  law.picture = std::move(pixels);
-  law.picture_width = grey.cols;
+  const auto [pictures, problem] = pictures_in(file, law.has_colour);
+  if (!problem.empty()) {
+    table.fail("file", fmt::format("is \"{}\", which {}", given.string(), problem));
+  }
+  set_picture(pictures, law);
 }
 
 }  // namespace
@@ -100,7 +157,8 @@ std::vector<Key> keys_of(BackgroundLaw& law, Background& background) {
        &law.file,
        {},
        "",
-       "picture of kind = \"image\", beside this file, scaled to cover the image",
+       "picture of kind = \"image\", beside this file, scaled to cover the image; or a folder, of "
+       "whose pictures one is drawn for each frame",
        {},
        "file",
        false,
@@ -114,6 +172,7 @@ BackgroundLaw read_background(const TomlTable& file) {
   read_keys(file, keys_of(law, background));
   const TomlTable table = file.table("background");
   if (law.kind == BackgroundKind::kImage) {
+    law.has_colour = read_colouring(file).mode != ColourMode::kGrey;
     read_picture(table, law);
   } else if (table.has("file")) {
     table.fail("file", "belongs to kind = \"image\"");
@@ -126,7 +185,17 @@ Background draw_background(BackgroundLaw law, const Draws& draws) {
   draw_keys(keys_of(law, background), draws);
   background.file = law.file;
   background.picture = law.picture;
+  background.colours = law.colours;
   background.picture_width = law.picture_width;
+  if (!law.folder.empty()) {
+    RandomStream stream = draws.stream("background.file");
+    const auto count = static_cast<double>(law.folder.size());
+    const auto& file = law.folder[static_cast<size_t>(stream.uniform() * count)];
+    const auto [pictures, problem] = pictures_in(file, law.has_colour);
+    if (!problem.empty()) throw InputError(fmt::format("{}: {}", file.string(), problem));
+    set_picture(pictures, background);
+    background.file = (std::filesystem::path(law.file) / file.filename()).string();
+  }
   background.seed = draws.stream("background").bits();
   return background;
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -35,6 +36,8 @@ struct Background {
   double star_level = 1;  ///< the light of the brightest star, in white pixels
   std::string file;       ///< of an image: the name of the picture's file, as it was given
   std::shared_ptr<const std::vector<float>> picture;  ///< of an image: rows of grey, 1 is white
+  /// The same in colour: rows of blue, green, red; of a scene in colour alone.
+  std::shared_ptr<const std::vector<float>> colours;
   int picture_width = 0;
   uint32_t seed = 0;  ///< of clouds and stars
 };
@@ -48,15 +51,21 @@ struct BackgroundLaw {
   Range cloud_px = Background{}.cloud_px;
   Range stars_per_megapixel = Background{}.stars_per_megapixel;
   std::string file;
+  bool has_colour = false;
+  /// Of an image whose file is a folder: the pictures in it, one of which is drawn for a frame.
+  std::vector<std::filesystem::path> folder = {};
   std::shared_ptr<const std::vector<float>> picture;
+  std::shared_ptr<const std::vector<float>> colours;
   int picture_width = 0;
 };
 
 std::vector<Key> keys_of(BackgroundLaw& law, Background& background);
 
-/// Reads the picture too. Throws InputError.
+/// Reads the picture too; of a folder it only sees to it that there are pictures. Throws
+/// InputError.
 BackgroundLaw read_background(const TomlTable& file);
 
+/// Throws InputError for a picture of a folder that cannot be read.
 Background draw_background(BackgroundLaw law, const Draws& draws);
 
 /// What the truth states of a background.

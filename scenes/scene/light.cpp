@@ -12,6 +12,24 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
 
+void require_factors(const TomlTable& table, std::string_view key, const Eigen::Vector3d& factors) {
+  if (factors.minCoeff() >= 0 && factors.maxCoeff() <= 1) return;
+  table.fail(key, "must be three numbers from 0 to 1");
+}
+
+// The direction at an angle from the one to the camera, towards a side of the image.
+Eigen::Vector3d direction_at(const Eigen::Vector3d& to_camera, double phase, double azimuth) {
+  const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(-to_camera).normalized();
+  const Eigen::Vector3d down = (-to_camera).cross(right);
+  return std::cos(phase) * to_camera +
+         std::sin(phase) * (std::cos(azimuth) * right + std::sin(azimuth) * down);
+}
+
+// A light that is there says its direction; what was never there is not in the truth.
+bool is_optional(const Fact& fact) {
+  return fact.name == "second";
+}
+
 }  // namespace
 
 std::vector<Key> keys_of(LightLaw& law, Light& light) {
@@ -76,6 +94,45 @@ std::vector<Key> keys_of(LightLaw& law, Light& light) {
        "side that the light comes from, 0 is image right, 90 down; needs phase_deg beside it",
        {},
        "to_light_in_cam"},
+      {"light",
+       "second",
+       &law.second,
+       {0, 1},
+       "",
+       "second distant light, without shadow: the grey that it adds to a white surface facing it",
+       &light.second},
+      {"light",
+       "second_phase_deg",
+       &law.second_phase_deg,
+       {0, 180},
+       "deg",
+       "angle at the target between the camera and the second light",
+       {},
+       "to_second_in_cam"},
+      {"light",
+       "second_azimuth_deg",
+       &law.second_azimuth_deg,
+       {-360, 360},
+       "deg",
+       "side that the second light comes from",
+       {},
+       "to_second_in_cam"},
+      {"light",
+       "colour",
+       &law.colour,
+       {},
+       "",
+       "red, green and blue of the distant light, factors from 0 to 1; for image.colour = \"rgb\"",
+       {},
+       "colour"},
+      {"light",
+       "second_colour",
+       &law.second_colour,
+       {},
+       "",
+       "the same of the second light",
+       {},
+       "second_colour"},
   };
 }
 
@@ -90,13 +147,22 @@ LightLaw read_light(const TomlTable& file) {
     table.fail("azimuth_deg", "needs phase_deg beside it");
   }
   read_keys(file, keys_of(law, light));
+  require_factors(table, "colour", law.colour);
+  require_factors(table, "second_colour", law.second_colour);
   return law;
 }
 
 Light draw_light(LightLaw law, const Pose& cam_from_target, const Draws& draws) {
   Light light;
   draw_keys(keys_of(law, light), draws);
+  light.colour = law.colour;
+  light.second_colour = law.second_colour;
   const Eigen::Vector3d to_camera = -cam_from_target.translation.normalized();
+  if (light.second > 0) {
+    light.to_second_in_cam =
+        direction_at(to_camera, draws(law.second_phase_deg, "light.second_phase_deg") * kDegree,
+                     draws(law.second_azimuth_deg, "light.second_azimuth_deg") * kDegree);
+  }
   if (!law.phase_deg) {
     RandomStream stream = draws.stream("light");
     light.to_light_in_cam = stream.direction_near(to_camera, law.cone_deg * kDegree);
@@ -104,10 +170,7 @@ Light draw_light(LightLaw law, const Pose& cam_from_target, const Draws& draws) 
   }
   const double phase = draws(*law.phase_deg, "light.phase_deg") * kDegree;
   const double azimuth = draws(law.azimuth_deg, "light.azimuth_deg") * kDegree;
-  const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(-to_camera).normalized();
-  const Eigen::Vector3d down = (-to_camera).cross(right);
-  light.to_light_in_cam = std::cos(phase) * to_camera +
-                          std::sin(phase) * (std::cos(azimuth) * right + std::sin(azimuth) * down);
+  light.to_light_in_cam = direction_at(to_camera, phase, azimuth);
   return light;
 }
 
@@ -116,6 +179,16 @@ std::vector<Fact> facts_of(Light light) {
   const Eigen::Vector3d& l = light.to_light_in_cam;
   std::vector<Fact> facts = facts_of(keys_of(law, light));
   facts.insert(facts.begin(), {"to_light_in_cam", std::vector{l.x(), l.y(), l.z()}});
+  const auto add = [&facts](const char* name, const Eigen::Vector3d& v) {
+    facts.push_back({name, std::vector{v.x(), v.y(), v.z()}});
+  };
+  if (light.second > 0) {
+    add("to_second_in_cam", light.to_second_in_cam);
+  } else {
+    std::erase_if(facts, is_optional);
+  }
+  if (light.colour != Light{}.colour) add("colour", light.colour);
+  if (light.second_colour != Light{}.second_colour) add("second_colour", light.second_colour);
   return facts;
 }
 

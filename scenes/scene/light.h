@@ -24,6 +24,13 @@ struct Light {
   double specular = 0;
   double shininess = 20;
   bool casts_shadow = false;  ///< all bodies shade each other and themselves from `directional`
+  /// A second distant light (the Earth's, a wall's), which adds to `directional` as that does, but
+  /// has no highlights on dull surfaces and casts no shadow.
+  double second = 0;
+  Eigen::Vector3d to_second_in_cam = -Eigen::Vector3d::UnitZ();  ///< unit vector
+  /// Red, green and blue of the distant lights, factors: of pictures in colour alone.
+  Eigen::Vector3d colour = Eigen::Vector3d::Ones();
+  Eigen::Vector3d second_colour = Eigen::Vector3d::Ones();
 };
 
 /// What a file says of the light. The defaults are those of a frame, but for the direction.
@@ -36,6 +43,11 @@ struct LightLaw {
   double cone_deg = 45;  ///< the direction is uniform in that cone about the one to the camera ...
   std::optional<Range> phase_deg;  ///< ... or at this angle from it,
   Range azimuth_deg{0, 360};       ///< towards this side; 0 is image right, 90 down
+  Range second = Light{}.second;
+  Range second_phase_deg{0, 180};  ///< as above, of the second light
+  Range second_azimuth_deg{0, 360};
+  Eigen::Vector3d colour = Light{}.colour;
+  Eigen::Vector3d second_colour = Light{}.second_colour;
 };
 
 std::vector<Key> keys_of(LightLaw& law, Light& light);
@@ -46,7 +58,7 @@ LightLaw read_light(const TomlTable& file);
 /// The light of one scene, whose target has this pose.
 Light draw_light(LightLaw law, const Pose& cam_from_target, const Draws& draws);
 
-/// What the truth states of a light.
+/// What the truth states of a light: of a second one and of colours where there are such.
 std::vector<Fact> facts_of(Light light);
 
 }  // namespace sightline

@@ -9,6 +9,7 @@
 #include "pose/camera.h"
 #include "pose/pose.h"
 #include "scenes/scene/background.h"
+#include "scenes/scene/colouring.h"
 #include "scenes/scene/imaging.h"
 #include "scenes/scene/light.h"
 #include "scenes/scene/livery.h"
@@ -30,6 +31,7 @@ struct Scene {
   Livery livery;
   Motion motion;
   Sensor sensor;
+  Colouring colouring;
   int samples_per_pixel = kSamplesPerPixel;  ///< one of kSampleCounts; see the renderer
 };
 

@@ -55,8 +55,9 @@ SceneLaw read_scene_law(const TomlTable& table, std::shared_ptr<const Target> ta
   const TomlTable poses = table.table("poses");
   law.poses = read_poses(poses);
   law.samples_per_pixel = read_samples_per_pixel(table);
-  Sensor sensor;
-  read_keys(table, keys_of(law.sensor, sensor));
+  law.sensor = read_sensor(table);
+  law.colouring = read_colouring(table);
+  require_textures(table, law.colouring, law.target->name, law.target->mesh);
   law.light = read_light(table);
   law.background = read_background(table);
   Livery livery;
@@ -64,6 +65,9 @@ SceneLaw read_scene_law(const TomlTable& table, std::shared_ptr<const Target> ta
   Motion motion;
   read_keys(table, keys_of(law.motion, motion));
   law.others = read_others(table);
+  for (const OtherLaw& other : law.others) {
+    require_textures(table, law.colouring, other.target->name, other.target->mesh);
+  }
   require_imageable(poses, law);
   return law;
 }
@@ -83,6 +87,7 @@ std::vector<KeyText> scene_keys() {
   add(keys_of(fixed), "bodies");
   add(keys_of_sampling(law.samples_per_pixel, scene.samples_per_pixel), "scene");
   add(keys_of(law.sensor, scene.sensor), "scene.sensor");
+  add(keys_of(law.colouring, scene.colouring), "scene.colouring");
   add(keys_of(law.background, scene.background), "scene.background");
   add(keys_of(law.light, scene.light), "scene.light");
   add(keys_of(law.livery, scene.livery), "scene.livery");
@@ -104,6 +109,7 @@ DrawnScene draw_scene(const SceneLaw& law, int given_pose, uint64_t seed, int64_
   scene.livery = draw_livery(law.livery, draws);
   scene.motion = draw_motion(law.motion, law.camera, scene.cam_from_target, draws);
   scene.sensor = draw_sensor(law.sensor, seed, draws);
+  scene.colouring = draw_colouring(law.colouring, draws);
   scene.others = draw_others(law.others, law.camera, scene.cam_from_target, draws);
   drawn.is_imageable = why_not_imageable(scene).empty();
   return drawn;

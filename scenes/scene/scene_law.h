@@ -27,6 +27,7 @@ struct SceneLaw {
   LiveryLaw livery;
   MotionLaw motion;
   SensorLaw sensor;
+  ColouringLaw colouring;
   int samples_per_pixel = kSamplesPerPixel;
 };
 

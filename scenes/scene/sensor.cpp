@@ -65,6 +65,29 @@ std::vector<Key> keys_of(SensorLaw& law, Sensor& sensor) {
        "how grey levels stand for light; srgb moves edges by some 0.1 px",
        choice(sensor.is_srgb, {{"linear", false}, {"srgb", true}}),
        "is_srgb"},
+      {"image",
+       "vignetting",
+       &law.vignetting,
+       {0, 1},
+       "",
+       "share of the light lost in the corners, growing as the square of the distance from the "
+       "middle",
+       &sensor.vignetting},
+      {"image",
+       "jpeg_quality",
+       &law.jpeg_quality,
+       {0, 100},
+       "",
+       "what JPEG of this quality leaves of an image of 8 bits; 0: it is not compressed",
+       &sensor.jpeg_quality},
+      {"image",
+       "white_balance",
+       &law.white_balance,
+       {},
+       "",
+       "factors from 0 to 16 on red, green and blue before rounding; for pictures in colour",
+       {},
+       "white_balance"},
       {"noise",
        "scale",
        &law.noise_scale,
@@ -74,6 +97,21 @@ std::vector<Key> keys_of(SensorLaw& law, Sensor& sensor) {
        {},
        "read_noise_grey"},
   };
+}
+
+SensorLaw read_sensor(const TomlTable& file) {
+  SensorLaw law;
+  Sensor sensor;
+  read_keys(file, keys_of(law, sensor));
+  constexpr double kLargestFactor = 16;
+  const TomlTable image = file.table("image");
+  if (!(law.white_balance.minCoeff() >= 0 && law.white_balance.maxCoeff() <= kLargestFactor)) {
+    image.fail("white_balance", "must be three numbers from 0 to 16");
+  }
+  if (law.jpeg_quality > 0 && law.bits != 8) {
+    image.fail("jpeg_quality", "is for images of 8 bits");
+  }
+  return law;
 }
 
 double read_noise_scale(const TomlTable& file) {
@@ -90,12 +128,20 @@ Sensor draw_sensor(SensorLaw law, uint64_t seed, const Draws& draws) {
   sensor.read_noise_grey *= scale;
   sensor.full_well_electrons = scale > 0 ? sensor.full_well_electrons / (scale * scale) : 0;
   sensor.defect_seed = seed;
+  sensor.white_balance = law.white_balance;
   return sensor;
 }
 
 std::vector<Fact> facts_of(Sensor sensor) {
   SensorLaw law;
   std::vector<Fact> facts = facts_of(keys_of(law, sensor));
+  std::erase_if(facts, [&sensor](const Fact& fact) {
+    return (fact.name == "vignetting" && sensor.vignetting == 0) ||
+           (fact.name == "jpeg_quality" && sensor.jpeg_quality == 0);
+  });
+  if (const Eigen::Vector3d& w = sensor.white_balance; w != Sensor{}.white_balance) {
+    facts.push_back({"white_balance", std::vector{w.x(), w.y(), w.z()}});
+  }
   facts.insert(facts.begin() + 1, {"white", std::exp2(sensor.bits) - 1});  // after the bits
   facts.push_back({"defect_seed", static_cast<int64_t>(sensor.defect_seed)});
   return facts;

@@ -21,7 +21,11 @@ struct Sensor {
   bool is_srgb = false;            ///< numbers encoded as sRGB says; moves edges by some 0.1 px
   double dead_fraction = 0;        ///< of the pixels are black
   double hot_fraction = 0;         ///< of the pixels are white
-  uint64_t defect_seed = 0;        ///< which pixels those are: the same in all of a sensor's frames
+  double vignetting = 0;  ///< share of the light lost in the corners, as the square of the distance
+  int jpeg_quality = 0;   ///< 1 to 100: what JPEG leaves of images of 8 bits; 0: not compressed
+  /// Factors on red, green and blue of what a sensor for colours read.
+  Eigen::Vector3d white_balance = Eigen::Vector3d::Ones();
+  uint64_t defect_seed = 0;  ///< which pixels those are: the same in all of a sensor's frames
 };
 
 /// What a file says of the sensor. The defaults are those of a frame.
@@ -32,6 +36,9 @@ struct SensorLaw {
   Range full_well_electrons = Sensor{}.full_well_electrons;
   Range dead_fraction = Sensor{}.dead_fraction;
   Range hot_fraction = Sensor{}.hot_fraction;
+  Range vignetting = Sensor{}.vignetting;
+  int jpeg_quality = Sensor{}.jpeg_quality;
+  Eigen::Vector3d white_balance = Sensor{}.white_balance;
   int bits = Sensor{}.bits;
   bool is_srgb = Sensor{}.is_srgb;
   double noise_scale = 1;  ///< multiplies the applied noise
@@ -39,13 +46,16 @@ struct SensorLaw {
 
 std::vector<Key> keys_of(SensorLaw& law, Sensor& sensor);
 
+/// Throws InputError.
+SensorLaw read_sensor(const TomlTable& file);
+
 /// The key noise.scale, which studies without images have too. Throws InputError.
 double read_noise_scale(const TomlTable& file);
 
 /// The sensor of one scene. `seed` is that of all scenes, which share their defects.
 Sensor draw_sensor(SensorLaw law, uint64_t seed, const Draws& draws);
 
-/// What the truth states of a sensor.
+/// What the truth states of a sensor; of vignetting, JPEG and white balance where there are such.
 std::vector<Fact> facts_of(Sensor sensor);
 
 }  // namespace sightline

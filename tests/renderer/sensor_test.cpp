@@ -128,6 +128,49 @@ TEST(Sensor, AllPixelsMayBeDead) {
   EXPECT_EQ(cv::countNonZero(image), 0);
 }
 
+TEST(Sensor, VignettingTakesItsShareInTheCorners) {
+  Sensor sensor = clean(16);
+  sensor.vignetting = 0.4;
+  const cv::Mat image = expose(cv::Mat(101, 201, CV_32F, cv::Scalar(0.5)), sensor, stream());
+  EXPECT_EQ(image.at<uint16_t>(50, 100), std::round(0.5 * 65535));
+  EXPECT_NEAR(image.at<uint16_t>(0, 200), 0.5 * 0.6 * 65535, 1);
+  EXPECT_NEAR(image.at<uint16_t>(50, 0), 0.5 * (1 - 0.4 * 0.8) * 65535,
+              1);  // 100^2 of 100^2 + 50^2
+}
+
+TEST(Sensor, JpegLosesWhatItsQualitySays) {
+  cv::Mat light(64, 64, CV_32F);
+  cv::randu(light, 0, 1);
+  const auto loss = [&](int quality) {
+    Sensor sensor = clean();
+    const cv::Mat whole = expose(light, sensor, stream());
+    sensor.jpeg_quality = quality;
+    return cv::norm(whole, expose(light, sensor, stream()), cv::NORM_L1) / 4096;
+  };
+  EXPECT_EQ(loss(0), 0);
+  EXPECT_LT(loss(100), 1);
+  EXPECT_GT(loss(30), 10);
+}
+
+TEST(Sensor, AMosaicKeepsFlatColoursAndBlursOthers) {
+  Sensor sensor = clean();
+  sensor.white_balance = {2, 1, 0.5};
+  cv::Mat light(64, 64, CV_32FC3, cv::Scalar(0.8, 0.4, 0.2));  // blue, green, red
+  const cv::Mat flat = expose_mosaic(light, sensor, stream());
+  EXPECT_EQ(flat.type(), CV_8UC3);
+  EXPECT_EQ(cv::norm(flat, cv::Mat(64, 64, CV_8UC3, cv::Scalar(102, 102, 102)), cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(flat, expose(light, sensor, stream()), cv::NORM_INF), 0);
+  // One bright pixel of a red photosite: its red is whole, its neighbours have half and quarter.
+  sensor.white_balance.setOnes();
+  light.setTo(0);
+  light.at<cv::Vec3f>(20, 30) = {1, 1, 1};
+  const cv::Mat spot = expose_mosaic(light, sensor, stream());
+  EXPECT_EQ(spot.at<cv::Vec3b>(20, 30), cv::Vec3b(0, 0, 255));
+  EXPECT_NEAR(spot.at<cv::Vec3b>(20, 31)[2], 127.5, 1);
+  EXPECT_NEAR(spot.at<cv::Vec3b>(21, 31)[2], 63.75, 1);
+  EXPECT_EQ(spot.at<cv::Vec3b>(20, 33)[2], 0);
+}
+
 TEST(Sensor, NoNoiseMeansNoNoise) {
   const cv::Mat light(8, 8, CV_32F, cv::Scalar(0.3));
   const cv::Mat image = expose(light, clean(), stream());

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Image sets in BOP's scenewise format (datasets/bop/layout.h): a scene is a chunk of the set.
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -30,12 +31,13 @@ std::string scene_folder(int64_t chunk) {
 // Where the files of an image lie, in the order in which they are told.
 struct ImagePaths {
   std::string grey;
+  std::string colour;  // empty where the image has none
   std::string depth;
   std::vector<std::string> masks;          // an instance each
   std::vector<std::string> visible_masks;  // an instance each: its pixels that are seen
 };
 
-ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances) {
+ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances, bool has_colour) {
   const std::string scene = scene_folder(plan.chunk_of(index));
   const int64_t im_id = plan.number_in_chunk(index);
   const auto path = [&scene](std::string_view folder, const std::string& name) {
@@ -43,6 +45,7 @@ ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances) {
   };
   ImagePaths paths;
   paths.grey = path(bop::kGreyFolder, bop::image_name(im_id));
+  if (has_colour) paths.colour = path(bop::kColourFolder, bop::image_name(im_id));
   paths.depth = path(bop::kDepthFolder, bop::image_name(im_id));
   for (int64_t gt_id = 0; gt_id < instances; ++gt_id) {
     const std::string name = bop::mask_name(im_id, gt_id);
@@ -63,7 +66,8 @@ std::vector<Json> annotated(const Json& truth) {
 }
 
 ImagePaths paths_of(const SetPlan& plan, const Json& truth) {
-  return paths_of(plan, truth.at("index"), static_cast<int64_t>(annotated(truth).size()));
+  return paths_of(plan, truth.at("index"), static_cast<int64_t>(annotated(truth).size()),
+                  is_in_colour(truth));
 }
 
 std::vector<std::string> bop_image_paths(const SetPlan& plan, const Json& truth) {
@@ -73,6 +77,7 @@ std::vector<std::string> bop_image_paths(const SetPlan& plan, const Json& truth)
     all.push_back(paths.masks[gt_id]);
     all.push_back(paths.visible_masks[gt_id]);
   }
+  if (!paths.colour.empty()) all.push_back(paths.colour);
   return all;
 }
 
@@ -82,7 +87,8 @@ std::vector<SetFile> bop_image_files(const SetPlan& plan, const SetImage& image)
   for (size_t i = 0; i < frame.truth.bodies.size(); ++i) {
     if (!frame.truth.bodies[i].is_occluder) told.push_back(i);
   }
-  const ImagePaths paths = paths_of(plan, image.index, static_cast<int64_t>(told.size()));
+  const ImagePaths paths =
+      paths_of(plan, image.index, static_cast<int64_t>(told.size()), !frame.colour.empty());
   std::vector<SetFile> files = {
       {paths.grey, png_bytes(frame.image)},
       {paths.depth, png_bytes(bop::depth_steps(frame.depth_m, plan.depth_scale))},
@@ -95,6 +101,7 @@ std::vector<SetFile> bop_image_files(const SetPlan& plan, const SetImage& image)
     files.push_back({paths.masks[gt_id], whole_png});
     files.push_back({paths.visible_masks[gt_id], is_all_seen ? whole_png : png_bytes(seen)});
   }
+  if (!paths.colour.empty()) files.push_back({paths.colour, png_bytes(frame.colour)});
   return files;
 }
 
@@ -139,8 +146,10 @@ Json bop_told_by_files(const SetPlan& plan, const fs::path& folder, const Json& 
 
 AnnotatedImage annotated_image(const SetPlan& plan, const std::string& scene, const Json& truth) {
   const Json& camera = truth.at("camera");
+  const ImagePaths paths = paths_of(plan, truth);
+  const std::string& picture = paths.colour.empty() ? paths.grey : paths.colour;
   return {.id = plan.number_in_chunk(truth.at("index")),
-          .file_name = paths_of(plan, truth).grey.substr(scene.size()),
+          .file_name = picture.substr(scene.size()),
           .width_px = camera.at("width_px"),
           .height_px = camera.at("height_px"),
           .bodies = annotated(truth),
@@ -175,6 +184,17 @@ std::vector<Json> bop_list_elements(const SetPlan& plan, const Json& truth) {
   return bop::target_elements(plan.chunk_of(index), plan.number_in_chunk(index), instances);
 }
 
+std::string colour_line(const SetPlan& plan) {
+  const auto& setups = plan.images().setups;
+  const bool has_colour = std::any_of(setups.begin(), setups.end(), [](const ImageSetup& setup) {
+    return setup.scene.colouring.mode != ColourMode::kGrey;
+  });
+  if (!has_colour) return "";
+  return "- rgb/: the same in red, green and blue of Rec. 709, which gray/ is made of as OpenCV "
+         "does "
+         "it\n  (0.299, 0.587, 0.114 of the stored numbers).\n";
+}
+
 std::string dataset_info(const SetPlan& plan) {
   const Camera& camera = plan.images().setups.front().scene.camera;
   const EncodingText encoding = encoding_text(plan);
@@ -191,7 +211,7 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
 
 {objects}
 - gray/: {grey}, {bits} bits; white is {white}. {encoding}
-- depth/: 16 bits; times depth_scale = {depth_scale} mm it is z of what the pixel's centre sees.
+{rgb}- depth/: 16 bits; times depth_scale = {depth_scale} mm it is z of what the pixel's centre sees.
   0 is background. sightline/ has the exact depth (truth: {truth}).
 - mask/: the whole object as if nothing hid it; mask_visib/: what of it is seen. By ids, pixel by
   pixel, without any tolerance of depth.
@@ -204,7 +224,7 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
       fmt::arg("name", plan.study.name), fmt::arg("count", plan.count),
       fmt::arg("version", SIGHTLINE_VERSION), fmt::arg("seed", plan.study.seed),
       fmt::arg("chunk", plan.chunk), fmt::arg("objects", objects), fmt::arg("grey", encoding.grey),
-      fmt::arg("encoding", encoding.sentence),
+      fmt::arg("encoding", encoding.sentence), fmt::arg("rgb", colour_line(plan)),
       fmt::arg("bits", plan.images().setups.front().scene.sensor.bits),
       fmt::arg("white", (1 << plan.images().setups.front().scene.sensor.bits) - 1),
       fmt::arg("depth_scale", plan.depth_scale),
@@ -302,9 +322,12 @@ std::vector<std::string> bop_image_problems(const SetPlan& plan, const fs::path&
   std::vector<std::string> problems;
   for (size_t i = 0; i < paths.size(); ++i) {
     pictures.push_back(read_picture(folder / paths[i]));
-    const bool is_wide = i == 1 || (i == 0 && truth.at("scene").at("sensor").at("bits") > 8);
+    const bool is_colour = is_in_colour(truth) && i + 1 == paths.size();
+    const bool is_picture = i == 0 || is_colour;
+    const bool is_wide = i == 1 || (is_picture && truth.at("scene").at("sensor").at("bits") > 8);
     const cv::Mat& picture = pictures.back();
-    if (picture.size() == size && picture.type() == (is_wide ? CV_16U : CV_8U)) continue;
+    const int type = CV_MAKETYPE(is_wide ? CV_16U : CV_8U, is_colour ? 3 : 1);
+    if (picture.size() == size && picture.type() == type) continue;
     problems.push_back(paths[i] + " is torn, or not of the camera's size");
   }
   if (!problems.empty()) return problems;

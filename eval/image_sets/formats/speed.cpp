@@ -25,7 +25,9 @@ std::vector<std::string> speed_image_paths(const SetPlan&, const Json& truth) {
 }
 
 std::vector<SetFile> speed_image_files(const SetPlan&, const SetImage& image) {
-  return {{picture_path(image.index), png_bytes(image.frame.image)}};
+  const Frame& frame = image.frame;
+  return {
+      {picture_path(image.index), png_bytes(frame.colour.empty() ? frame.image : frame.colour)}};
 }
 
 std::vector<std::string> speed_image_problems(const SetPlan& plan,
@@ -34,7 +36,8 @@ std::vector<std::string> speed_image_problems(const SetPlan& plan,
   const std::string path = speed_image_paths(plan, truth).front();
   const cv::Mat picture = read_picture(folder / path);
   const Json& camera = truth.at("camera");
-  const int type = truth.at("scene").at("sensor").at("bits") > 8 ? CV_16U : CV_8U;
+  const int depth = truth.at("scene").at("sensor").at("bits") > 8 ? CV_16U : CV_8U;
+  const int type = CV_MAKETYPE(depth, is_in_colour(truth) ? 3 : 1);
   if (picture.cols == camera.at("width_px") && picture.rows == camera.at("height_px") &&
       picture.type() == type) {
     return {};

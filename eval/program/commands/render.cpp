@@ -133,6 +133,14 @@ void add_render(CLI::App& app, int& exit_code) {
   sub->add_option("--set", request.overrides.set,
                   "key=value over the scene's file, for example image.bits=12; may be repeated")
       ->allow_extra_args(false);
+  sub->add_option_function<std::string>(
+         "--missing-textures",
+         [arguments](const std::string& policy) {
+           arguments->request.overrides.set.push_back(
+               fmt::format("image.missing_textures=\"{}\"", policy));
+         },
+         "refuse or grey: draw a mesh without the textures that are lost, and say so [refuse]")
+      ->check(CLI::IsMember({"refuse", "grey"}));
   const auto names = gl_choice_names();
   sub->add_option("--gl", request.gl, "Draw with OpenGL, to compare: auto, osmesa or egl")
       ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))

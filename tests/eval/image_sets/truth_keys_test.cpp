@@ -57,7 +57,10 @@ std::vector<std::string> keys_missing_in(const Json& truth) {
 }
 
 TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
-  Json truth = truth_with({"other=[{target='cube', scale=0.1}]"});
+  Json truth = truth_with({"other=[{target='cube', scale=0.1}]", "image.colour=rgb",
+                           "image.vignetting=0.1", "image.jpeg_quality=90",
+                           "image.white_balance=[1.0, 1.0, 2.0]", "light.second=0.1",
+                           "light.colour=[1.0, 1.0, 0.5]", "light.second_colour=[1.0, 0.5, 0.5]"});
   EXPECT_THAT(keys_missing_in(truth), IsEmpty());
   for (const char* fact : {"is_srgb", "defect_seed"}) {
     EXPECT_TRUE(truth["scene"]["sensor"].contains(fact)) << fact;
@@ -65,6 +68,18 @@ TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
   EXPECT_EQ(truth["scene"]["background"]["star_level"], 1.0);
   truth["scene"]["sensor"].erase("is_srgb");
   EXPECT_THAT(keys_missing_in(truth), ElementsAre("image.encoding"));
+}
+
+// Sets of before colour are verified by what they state.
+TEST(Truth, OfAGreyPictureIsWhatItAlwaysWas) {
+  const Json scene = truth_with({})["scene"];
+  EXPECT_FALSE(scene.contains("colouring"));
+  for (const char* fact : {"second", "to_second_in_cam", "colour", "second_colour"}) {
+    EXPECT_FALSE(scene["light"].contains(fact)) << fact;
+  }
+  for (const char* fact : {"vignetting", "jpeg_quality", "white_balance"}) {
+    EXPECT_FALSE(scene["sensor"].contains(fact)) << fact;
+  }
 }
 
 TEST(Truth, StatesTheEncoding) {

@@ -119,13 +119,13 @@ TEST(PictureFile, WhatIsNoPictureIsSaid) {
     return read_picture_file(folder.path() / name).problem;
   };
   folder.write("words.png", "not a picture");
-  EXPECT_EQ(problem("words.png"), "is no PNG, JPEG or TIFF");
+  EXPECT_EQ(problem("words.png"), "is no PNG, JPEG, TIFF, WebP or BMP");
   EXPECT_EQ(problem("none.png"), "is not there");
   EXPECT_EQ(problem("."), "is no file");
   ASSERT_EQ(mkfifo((folder.path() / "pipe.png").c_str(), 0600), 0);
   EXPECT_EQ(problem("pipe.png"), "is no file");  // and nobody waits for a writer
   folder.write("empty.png", "");
-  EXPECT_EQ(problem("empty.png"), "is no PNG, JPEG or TIFF");
+  EXPECT_EQ(problem("empty.png"), "is no PNG, JPEG, TIFF, WebP or BMP");
   folder.write("true.png", png_bytes(ramp()));
   EXPECT_EQ(problem("true.png"), "");
 }

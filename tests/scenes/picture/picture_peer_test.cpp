@@ -76,5 +76,32 @@ TEST(PicturePeersOf, TiffHasTheSameBytesAndPixels) {
   }
 }
 
+TEST(PicturePeersOf, WebpAndBmpHaveTheSamePixels) {
+  for (const int type : {CV_8UC3, CV_8UC4}) {
+    const std::string webp =
+        encoded_by_opencv(".webp", noise(type), {cv::IMWRITE_WEBP_QUALITY, 101});
+    EXPECT_TRUE(same(decode_picture(webp).pixels, noise(type)));
+    EXPECT_EQ(picture_size(webp), cv::Size(53, 37));
+  }
+  const cv::Mat coloured = noise(CV_8UC3);
+  const std::string bmp = encoded_by_opencv(".bmp", coloured);
+  EXPECT_TRUE(same(decode_picture(bmp).pixels, coloured));
+  EXPECT_EQ(picture_size(bmp), cv::Size(53, 37));
+  for (const std::string& whole : {encoded_by_opencv(".webp", coloured), bmp}) {
+    for (const double share : {0.35, 0.7, 0.95}) {
+      EXPECT_EQ(decode_picture(whole.substr(0, static_cast<size_t>(share * whole.size()))).problem,
+                "is torn or damaged");
+    }
+  }
+}
+
+TEST(PicturePeersOf, ColoursAreTheSame) {
+  for (const int type : {CV_8UC1, CV_8UC3, CV_8UC4}) {
+    const std::string bytes = png_bytes(noise(type));
+    EXPECT_TRUE(same(decode_picture(bytes, PictureChannels::kColour).pixels,
+                     decoded_by_opencv(bytes, cv::IMREAD_COLOR)));
+  }
+}
+
 }  // namespace
 }  // namespace sightline

@@ -42,7 +42,23 @@ TEST(SensorKeys, EveryNumberOfASensorIsAFact) {
   EXPECT_EQ(facts.at("psf_sigma_px"), FactValue(0.7));
 }
 
+TEST(SensorKeys, WhatASensorAlsoDoesIsAFactWhereItDoes) {
+  const Sensor sensor = draw_scene(law_of("[image]\nvignetting = 0.25\njpeg_quality = 80\n"
+                                          "white_balance = [2.0, 1.0, 1.5]"),
+                                   0, 7, 0)
+                            .scene.sensor;
+  std::map<std::string, FactValue> facts;
+  for (const Fact& fact : facts_of(sensor)) facts[fact.name] = fact.value;
+  EXPECT_EQ(facts.size(), 13u);
+  EXPECT_EQ(facts.at("vignetting"), FactValue(0.25));
+  EXPECT_EQ(facts.at("jpeg_quality"), FactValue(int64_t{80}));
+  EXPECT_EQ(facts.at("white_balance"), FactValue(std::vector{2.0, 1.0, 1.5}));
+}
+
 TEST(SensorKeys, MistakesGetOneClearLine) {
+  EXPECT_THAT(law_error("[image]\nwhite_balance = [1.0, -1.0, 1.0]"), HasSubstr("0 to 16"));
+  EXPECT_THAT(law_error("[image]\njpeg_quality = 80\nbits = 10"), HasSubstr("8 bits"));
+  EXPECT_THAT(law_error("[image]\ncolour = \"grb\""), HasSubstr("rgb"));
   EXPECT_THAT(law_error("[image]\npsf = 1"), HasSubstr("not a known key"));
   EXPECT_THAT(law_error("[image]\nencoding = \"rgb\""), HasSubstr("did you mean 'srgb'"));
 }

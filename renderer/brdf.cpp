@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "renderer/brdf.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+namespace sightline {
+namespace {
+
+constexpr double kDielectric = 0.04;  // reflectance at normal incidence of what is no metal
+// A distant light is a point: a perfect mirror would show it nowhere.
+constexpr double kLeastA = 1e-3;
+
+double fresnel_weight(double v_h) {
+  const double x = 1 - std::clamp(std::abs(v_h), 0.0, 1.0);
+  return x * x * x * x * x;
+}
+
+double visibility(double a, double n_l, double n_v) {
+  const double a2 = a * a;
+  const double light = n_v * std::sqrt(a2 + (1 - a2) * n_l * n_l);
+  const double eye = n_l * std::sqrt(a2 + (1 - a2) * n_v * n_v);
+  return 0.5 / (light + eye);
+}
+
+// Van der Corput's sequence: with i / n the points of Hammersley.
+double radical_inverse(uint32_t bits) {
+  bits = bits << 16 | bits >> 16;
+  bits = (bits & 0x55555555U) << 1 | (bits & 0xAAAAAAAAU) >> 1;
+  bits = (bits & 0x33333333U) << 2 | (bits & 0xCCCCCCCCU) >> 2;
+  bits = (bits & 0x0F0F0F0FU) << 4 | (bits & 0xF0F0F0F0U) >> 4;
+  bits = (bits & 0x00FF00FFU) << 8 | (bits & 0xFF00FF00U) >> 8;
+  return bits * 0x1p-32;
+}
+
+// Half-way directions drawn as D n_h says (Walter et al. 2007): each counts 4 V n_l v_h / n_h.
+GlowShares integrated(double a, double n_v) {
+  constexpr uint32_t kDirections = 1024;
+  const double side = std::sqrt(std::max(0.0, 1 - n_v * n_v));
+  GlowShares sum;
+  for (uint32_t i = 0; i < kDirections; ++i) {
+    const double azimuth = 2 * std::numbers::pi * (i + 0.5) / kDirections;
+    const double x = radical_inverse(i) + 0.5 / kDirections;
+    const double n_h = std::sqrt((1 - x) / (1 + (a * a - 1) * x));
+    const double h_side = std::sqrt(std::max(0.0, 1 - n_h * n_h)) * std::cos(azimuth);
+    const double v_h = side * h_side + n_v * n_h;
+    const double n_l = 2 * v_h * n_h - n_v;
+    if (!(n_l > 0 && v_h > 0)) continue;
+    const double share = 4 * visibility(a, n_l, n_v) * n_l * v_h / n_h / kDirections;
+    const double weight = fresnel_weight(v_h);
+    sum.plain += share * (1 - weight);
+    sum.grazing += share * weight;
+  }
+  return sum;
+}
+
+constexpr int kSteps = 33;
+constexpr double kLeastCosine = 1e-3;  // edge-on nothing is seen, and the integrals have no value
+using GlowTable = std::array<std::array<GlowShares, kSteps>, kSteps>;
+
+// By roughness (the root of a) and cosine, both from 0 to 1.
+const GlowTable& glow_table() {
+  static const GlowTable kTable = [] {
+    GlowTable table;
+    for (int r = 0; r < kSteps; ++r) {
+      const double roughness = r / (kSteps - 1.0);
+      for (int c = 0; c < kSteps; ++c) {
+        table[r][c] = integrated(roughness * roughness, std::max(kLeastCosine, c / (kSteps - 1.0)));
+      }
+    }
+    return table;
+  }();
+  return kTable;
+}
+
+struct Between {
+  int low = 0;
+  double share = 0;  // of the next
+};
+
+Between between(double unit) {
+  const double at = std::clamp(unit, 0.0, 1.0) * (kSteps - 1);
+  const int low = std::min(static_cast<int>(at), kSteps - 2);
+  return {low, at - low};
+}
+
+}  // namespace
+
+double microfacets(double a, double n_l, double n_v, double n_h) {
+  if (!(n_l > 0 && n_v > 0 && n_h > 0)) return 0;
+  const double a2 = std::max(a, kLeastA) * std::max(a, kLeastA);
+  const double root = n_h * n_h * (a2 - 1) + 1;
+  return a2 / (std::numbers::pi * root * root) * visibility(std::sqrt(a2), n_l, n_v);
+}
+
+GlowShares glow_shares(double a, double n_v) {
+  const Between row = between(std::sqrt(std::max(0.0, a)));
+  const Between column = between(n_v);
+  GlowShares out;
+  for (const auto& [r, height] : {std::pair{row.low, 1 - row.share}, {row.low + 1, row.share}}) {
+    for (const auto& [c, width] :
+         {std::pair{column.low, 1 - column.share}, {column.low + 1, column.share}}) {
+      const GlowShares& cell = glow_table()[r][c];
+      out.plain += height * width * cell.plain;
+      out.grazing += height * width * cell.grazing;
+    }
+  }
+  return out;
+}
+
+Reflection reflected(const Gloss& gloss, double level, double n_l, double n_v, double n_h,
+                     double v_h) {
+  if (!(n_l > 0)) return {};
+  const double facing = level * n_l;
+  const double mirror =
+      std::numbers::pi * facing * microfacets(gloss.roughness * gloss.roughness, n_l, n_v, n_h);
+  const double weight = fresnel_weight(v_h);
+  const double fresnel = kDielectric + (1 - kDielectric) * weight;
+  const double m = gloss.metallic;
+  return {.of_base = (1 - m) * (1 - fresnel) * facing + m * (1 - weight) * mirror,
+          .own = (1 - m) * fresnel * mirror + m * weight * mirror};
+}
+
+Reflection reflected_glow(const Gloss& gloss, double level, double n_v) {
+  const GlowShares shares = glow_shares(gloss.roughness * gloss.roughness, n_v);
+  const double coat = kDielectric * shares.plain + shares.grazing;
+  const double m = gloss.metallic;
+  return {.of_base = level * ((1 - m) * (1 - coat) + m * shares.plain),
+          .own = level * ((1 - m) * coat + m * shares.grazing)};
+}
+
+}  // namespace sightline

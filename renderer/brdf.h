@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// How surfaces of glTF 2.0's metallic-roughness model reflect light (appendix B of its
+// specification): microfacets after Trowbridge and Reitz (GGX) with Smith's height-correlated
+// masking and Schlick's Fresnel term, above a Lambertian base where they are not metal.
+#pragma once
+
+namespace sightline {
+
+/// Microfacets' distribution times visibility, V D, for a = roughness^2; cosines to the normal of
+/// the light, the eye and the direction half way between them. 0 where either is below the horizon.
+double microfacets(double a, double n_l, double n_v, double n_h);
+
+/// The share of an even glow that the microfacets send to an eye at cosine n_v: a mirror of
+/// reflectance f at normal incidence sends f * `plain` + `grazing`.
+struct GlowShares {
+  double plain = 0;
+  double grazing = 0;
+};
+
+/// Interpolated in a table of integrals by 1024 fixed directions, to some 0.003.
+GlowShares glow_shares(double a, double n_v);
+
+/// Light as a factor on a surface's base colour, and what comes without it.
+struct Reflection {
+  double of_base = 0;
+  double own = 0;
+
+  Reflection& operator+=(const Reflection& more) {
+    of_base += more.of_base;
+    own += more.own;
+    return *this;
+  }
+};
+
+/// A surface's gloss.
+struct Gloss {
+  double metallic = 0;
+  double roughness = 1;
+};
+
+/// What a distant light of `level` gives, which is the grey of a white Lambertian surface facing
+/// it; cosines as above, and v_h that between the eye and the half-way direction.
+Reflection reflected(const Gloss& gloss, double level, double n_l, double n_v, double n_h,
+                     double v_h);
+
+/// What an even glow of `level` from all sides gives; a white surface that is no metal sends all of
+/// it back.
+Reflection reflected_glow(const Gloss& gloss, double level, double n_v);
+
+}  // namespace sightline

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "scenes/mesh/material.h"
+#include "scenes/mesh/textures.h"
+
+namespace tinygltf {
+class Model;
+struct TextureInfo;
+}  // namespace tinygltf
+
+namespace sightline {
+
+/// Turns the materials of a glTF file into ours, and its images into textures.
+///
+/// Read are the metallic-roughness model with base colour, metallic-roughness and emissive texture,
+/// samplers, alpha modes, and the extensions KHR_materials_unlit, KHR_materials_emissive_strength,
+/// KHR_texture_transform, EXT_texture_webp and the diffuse half of
+/// KHR_materials_pbrSpecularGlossiness. The images' bytes must be in the model as they are in their
+/// files.
+class GltfMaterials {
+ public:
+  GltfMaterials(const tinygltf::Model& model, TextureShelf& shelf) : model_(model), shelf_(shelf) {}
+
+  /// The material of that index, which must exist. All its textures take the set of coordinates of
+  /// the first of them that is there; those of another set are left out.
+  Material material(int index) const;
+  /// The set of texture coordinates that a material takes: 0 for TEXCOORD_0.
+  int uv_set(int index) const;
+
+ private:
+  TextureRef reference(const tinygltf::TextureInfo& info, int uv_set, bool is_srgb) const;
+
+  const tinygltf::Model& model_;
+  TextureShelf& shelf_;
+};
+
+}  // namespace sightline
