@@ -19,6 +19,8 @@ namespace {
 // Fits that look like the model at the wrong pose exceeded these; good ones of plain frames do not.
 constexpr double kMostClusterFactor = 2.5;
 constexpr double kMostLost = 0.002;
+// Beyond this even starts that agree may agree on a wrong pose: all are tried.
+constexpr double kSuspectClusterFactor = 5;
 
 bool looks_like_model(const Registration& fit) {
   return fit.is_ok() && fit.cluster_factor <= kMostClusterFactor && fit.lost <= kMostLost;
@@ -98,7 +100,8 @@ class Trials {
       best_ = fit;
       is_agreed_ = false;
     }
-    return looks_like_model(best_) || is_agreed_;
+    return looks_like_model(best_) ||
+           (is_agreed_ && best_.cluster_factor <= kSuspectClusterFactor);
   }
 
   Registration result(const RegistrationTask& task) const {
