@@ -35,10 +35,12 @@ Eigen::MatrixXd disagreement(const BlockRows& rows, const Solution& solution) {
 // Clusters of 36 px show but a part of what errs together over the whole of a shadow, a highlight
 // or a coarse mesh. Measured with shadows, highlights, stripes, unknown albedos and a quarter of
 // the mesh (docs/registration.md): what clusters show is then a third of what is there.
-double enlargement(double cluster_factor) {
+double enlargement(double cluster_factor, double lost) {
   constexpr double kUnseen = 3;
-  constexpr double kFrom = 1, kTo = 1.5;  // of the factor: noise alone stays below
-  const double model_is_wrong = std::clamp((cluster_factor - kFrom) / (kTo - kFrom), 0.0, 1.0);
+  // Of the factor, and of the pixels that the model does not explain: noise alone stays below.
+  const double by_clusters = std::clamp((cluster_factor - 1.2) / 0.3, 0.0, 1.0);
+  const double by_lost = std::clamp((lost - 0.002) / 0.001, 0.0, 1.0);
+  const double model_is_wrong = std::max(by_clusters, by_lost);
   return std::max(1.0, cluster_factor) * (1 + (kUnseen - 1) * model_is_wrong);
 }
 
@@ -53,7 +55,7 @@ PoseSpread pose_spread(const BlockRows& rows, const Solution& solution) {
   if (const auto own_information = inverse_of(own)) {
     spread.cluster_factor = (*own_information * sandwich.topLeftCorner(6, 6)).trace() / 6;
   }
-  spread.covariance = own * enlargement(spread.cluster_factor);
+  spread.covariance = own * enlargement(spread.cluster_factor, solution.lost);
   return spread;
 }
 

@@ -132,7 +132,7 @@ double Fitter::apply(const Unknowns& change, bool is_sharp) {
          state_.cam_from_target.translation.z();
 }
 
-bool Fitter::fit_blurred(const FitLevel& level) {
+bool Fitter::fit_blurred(const FitLevel& level, double deviation_sd) {
   constexpr double kFirstVariance = 100;
   constexpr double kLeastVariance = 4;
   constexpr double kVarianceOverSeen = 4;
@@ -140,6 +140,8 @@ bool Fitter::fit_blurred(const FitLevel& level) {
   BasisDrawer drawer(mesh_, level.image.camera);
   const cv::Size size = level.image.grey.size();
   Learning learning = new_learning(size, kFirstVariance);
+  learning.inside_sd = deviation_sd;
+  learning.outside_sd = deviation_sd;
   for (int i = 0; i < level.most_steps; ++i) {
     const auto step = linearise(level, drawer, level.samples);
     if (!step || step->rows.blocks.empty()) return false;
@@ -218,13 +220,15 @@ Matrix6d Fitter::camera_term(const FitLevel& level) {
   return sum;
 }
 
-Registration Fitter::fit(const std::vector<FitLevel>& levels, const Pose& start) {
+Registration Fitter::fit(const std::vector<FitLevel>& levels, const Pose& start,
+                         double blurred_sd) {
   state_ = {start, std::nullopt, options_.blur_px * options_.blur_px};
   drawings_ = 0;
   Registration out;
   out.starts = 1;
   for (const FitLevel& level : levels) {
-    const bool is_fitted = level.is_sharp() ? fit_sharp(level, out) : fit_blurred(level);
+    const bool is_fitted =
+        level.is_sharp() ? fit_sharp(level, out) : fit_blurred(level, blurred_sd);
     if (!is_fitted) return out;
   }
   if (!options_.camera_errors.is_none()) out.covariance += camera_term(levels.back());

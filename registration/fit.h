@@ -38,13 +38,14 @@ class Fitter {
   Fitter(const Mesh& mesh, const PosePrior& prior, double noise_variance,
          const RegistrationOptions& options);
 
-  /// From level to level. With status kOk, or without a pose.
-  Registration fit(const std::vector<FitLevel>& levels, const Pose& start);
+  /// From level to level. `blurred_sd` is what squares of blurred images may deviate by, grey
+  /// levels: little leads farther, much stands printed faces. With status kOk, or without a pose.
+  Registration fit(const std::vector<FitLevel>& levels, const Pose& start, double blurred_sd);
 
  private:
   struct Step;
   std::optional<Step> linearise(const FitLevel& level, BasisDrawer& drawer, int samples);
-  bool fit_blurred(const FitLevel& level);
+  bool fit_blurred(const FitLevel& level, double deviation_sd);
   bool fit_sharp(const FitLevel& level, Registration& out);
   PriorTerm prior_term(bool is_sharp) const;
   double apply(const Unknowns& change, bool is_sharp);

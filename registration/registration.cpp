@@ -19,6 +19,14 @@ namespace {
 // Fits that look like the model at the wrong pose exceeded these; good ones of plain frames do not.
 constexpr double kMostClusterFactor = 2.5;
 constexpr double kMostLost = 0.002;
+// How far squares of blurred images may deviate from the model, grey levels: where the faces are
+// printed, the little that suits plain ones leads astray.
+constexpr double kTightSd = 3, kLooseSd = 40;
+// Beyond this even starts that agree may agree on a wrong pose: all are tried.
+constexpr double kSuspectClusterFactor = 5;
+// And beyond this no pose is believed: right ones on photographs of a printed cube have 13, wrong
+// ones 20 and more.
+constexpr double kHopelessClusterFactor = 16;
 
 bool looks_like_model(const Registration& fit) {
   return fit.is_ok() && fit.cluster_factor <= kMostClusterFactor && fit.lost <= kMostLost;
@@ -44,6 +52,9 @@ std::string contradiction(const Registration& fit, const RegistrationTask& task)
                                 prior.cam_from_target.rotation.transpose()),
       fit.cam_from_target.translation - prior.cam_from_target.translation;
   if (mahalanobis2(moved, known) > kFarthest) return "the fit lies beyond what the prior allows";
+  if (fit.cluster_factor > kHopelessClusterFactor) {
+    return "the image does not look like the model, whatever the start";
+  }
   // A prior as sharp as the image leaves it nothing to say.
   constexpr double kSharpPx = 0.5;
   const double px_per_m = task.camera.fx_px / prior.cam_from_target.translation.z();
@@ -98,7 +109,7 @@ class Trials {
       best_ = fit;
       is_agreed_ = false;
     }
-    return looks_like_model(best_) || is_agreed_;
+    return looks_like_model(best_) || (is_agreed_ && best_.cluster_factor <= kSuspectClusterFactor);
   }
 
   Registration result(const RegistrationTask& task) const {
@@ -146,14 +157,21 @@ Registration register_mesh(const RegistrationTask& task, const RegistrationOptio
     return out;
   }
   if (task.start) {
-    if (trials.take(fitter.fit(fit_levels(image, true), *task.start))) return trials.result(task);
+    if (trials.take(fitter.fit(fit_levels(image, true), *task.start, kTightSd)))
+      return trials.result(task);
   }
   const std::vector<FitLevel> levels = fit_levels(image, false);
-  if (trials.take(fitter.fit(levels, task.prior.cam_from_target)) || !options.tries_again) {
+  if (trials.take(fitter.fit(levels, task.prior.cam_from_target, kTightSd)) ||
+      !options.tries_again) {
     return trials.result(task);
   }
+  if (trials.take(fitter.fit(levels, task.prior.cam_from_target, kLooseSd))) {
+    return trials.result(task);
+  }
+  bool is_loose = false;
   for (const Pose& start : other_starts(task.prior)) {
-    if (trials.take(fitter.fit(levels, start))) break;
+    if (trials.take(fitter.fit(levels, start, is_loose ? kLooseSd : kTightSd))) break;
+    is_loose = !is_loose;
   }
   return trials.result(task);
 }
