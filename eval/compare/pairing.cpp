@@ -132,6 +132,25 @@ std::string condition_name(const Json& condition) {
   return name.empty() ? "all" : name;
 }
 
+// A gate that is given numbers that cannot be must not pass for it: a cell's counts must count, and
+// of trials there are means.
+void require_sound(const Json& cell) {
+  const int trials = whole_in(cell, "trials");
+  if (trials < 0) throw InputError(fmt::format("trials is {}, must be from 0", trials));
+  if (cell.contains("failures")) {
+    const int failures = whole_in(cell, "failures");
+    if (failures < 0 || failures > trials) {
+      throw InputError(fmt::format("failures is {}, must be from 0 to {}", failures, trials));
+    }
+  }
+  for (const auto& [key, value] : cell.items()) {
+    if (trials == 0 || key == "nees" || !value.is_object() || !value.contains("mean")) continue;
+    if (value.at("mean").is_number() && value.at("mean").get<double>() >= 0) continue;
+    throw InputError(fmt::format("{}.mean is {}, must be a number from 0", key,
+                                 value.at("mean").dump().substr(0, 40)));
+  }
+}
+
 ComparedRun read_compared_run(const fs::path& path) {
   ComparedRun run;
   run.path = path;
@@ -150,6 +169,7 @@ ComparedRun read_compared_run(const fs::path& path) {
   }
   try {
     for (const Json& cell : run.summary.at("cells")) {
+      require_sound(cell);
       const std::string name = condition_name(cell.at("condition"));
       const bool is_known =
           std::find(run.conditions.begin(), run.conditions.end(), name) != run.conditions.end();
@@ -159,6 +179,9 @@ ComparedRun read_compared_run(const fs::path& path) {
     run.summary.at("seed").get<uint64_t>();
   } catch (const nlohmann::json::exception&) {
     throw InputError(fmt::format("{}: not a summary.json of sightline's", file.string()));
+  } catch (const InputError& error) {
+    throw InputError(
+        fmt::format("{}: not a summary.json of sightline's ({})", file.string(), error.what()));
   }
   const fs::path store = path / "results.sqlite";
   if (is_folder && fs::is_regular_file(store)) run.store = store;

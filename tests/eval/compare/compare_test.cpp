@@ -14,6 +14,7 @@
 #include "eval/compare/junit.h"
 #include "scenes/files/input_error.h"
 #include "tests/eval/program.h"
+#include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -207,6 +208,35 @@ TEST(Junit, IsXmlWhateverTheNames) {
   EXPECT_EQ(second.attribute("name").value(), better.solver);
   EXPECT_THAT(second.child("system-out").text().get(), HasSubstr("<&\"\u2401 is better"));
   EXPECT_FALSE(second.next_sibling("testcase").first_child()) << "nothing changed";
+}
+
+TEST_F(Compare, OfNumbersThatCannotBePassesNoGate) {
+  const fs::path base = write_summary("base.json", 1);
+  const auto complaint = [&](const std::string& what, const std::string& instead) {
+    std::string text = read_whole(write_summary("new.json", 1));
+    text.replace(text.find(what), what.size(), instead);
+    const fs::path changed = folder_.write("new.json", text);
+    return error_of([&] { compare_runs(base, changed, 0); });
+  };
+  EXPECT_EQ(complaint("\"failures\":0", "\"failures\":1"), "");
+  EXPECT_THAT(complaint("\"failures\":0", "\"failures\":-1"),
+              HasSubstr("new.json: not a summary.json of sightline's (failures is -1, must be"));
+  EXPECT_THAT(complaint("\"failures\":0", "\"failures\":1001"), HasSubstr("from 0 to 1000"));
+  EXPECT_THAT(complaint("\"mean\":1.0", "\"mean\":null"), HasSubstr("geodesic_deg.mean is null"));
+  EXPECT_THAT(complaint("\"mean\":1.0", "\"mean\":-1"), HasSubstr("must be a number from 0"));
+  EXPECT_THAT(complaint("\"trials\":1000", "\"trials\":1.5"), HasSubstr("must be a whole"));
+}
+
+TEST_F(Compare, AnRmsOfASummaryAloneCannotBeCompared) {
+  const Json error = {
+      {"mean", 1.0}, {"mean_ci95", {0.9, 1.1}}, {"rms", 1.0}, {"rms_ci95", {nullptr, nullptr}}};
+  Json json = Json::parse(read_whole(write_summary("base.json", 1)));
+  json["cells"][0]["geodesic_deg"] = error;
+  const std::string file = folder_.write("base.json", json.dump()).string();
+  EXPECT_EQ(run("compare " + file + " " + file + " --measure geodesic_deg.mean").exit_code, 0);
+  const Outcome rms = run("compare " + file + " " + file + " --measure geodesic_deg.rms");
+  EXPECT_EQ(rms.exit_code, 1);
+  EXPECT_THAT(rms.output, HasSubstr("does not tell it"));
 }
 
 TEST_F(Compare, BadInputIsOneLine) {
