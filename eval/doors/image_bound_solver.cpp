@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/doors/image_bound_solver.h"
 
+#include <memory>
+#include <optional>
+
 #include <Eigen/Cholesky>
 
 #include "eval/doors/registration_solver.h"
@@ -22,12 +25,22 @@ Vector6d drawn(const Matrix6d& covariance, RandomStream stream) {
   return scale.cwiseProduct(Eigen::LLT<Matrix6d>(correlation).matrixL() * unit);
 }
 
+// The bounds of the trial that was asked for last, which one solver after the other asks for. A
+// study's trials are run one by one.
+struct LastBounds {
+  int64_t trial = -1;
+  ImageBounds bounds;
+};
+
 SolverAnswer bound_as_answer(const SolverQuestion& question, uint64_t seed, const char* name,
-                             std::optional<Matrix6d> ImageBounds::*which) {
+                             std::optional<Matrix6d> ImageBounds::*which, LastBounds& last) {
   if (question.image == nullptr) return {};
   const Scene& scene = question.image->scene;
-  Renderer renderer;
-  const std::optional<Matrix6d> covariance = image_bounds(scene, renderer).*which;
+  if (last.trial != question.trial.trial) {
+    Renderer renderer;
+    last = {question.trial.trial, image_bounds(scene, renderer)};
+  }
+  const std::optional<Matrix6d> covariance = last.bounds.*which;
   SolverAnswer answer;
   if (!covariance) {
     answer.outcome = EstimateOutcome::kDegenerate;
@@ -42,23 +55,25 @@ SolverAnswer bound_as_answer(const SolverQuestion& question, uint64_t seed, cons
 }
 
 TrialSolver bound_solver(const char* name, const char* summary, uint64_t seed,
-                         std::optional<Matrix6d> ImageBounds::*which) {
+                         std::optional<Matrix6d> ImageBounds::*which,
+                         const std::shared_ptr<LastBounds>& last) {
   return {.name = name,
           .summary = summary,
           .evaluation_only = true,
           .looks_at_image = true,
           .solve = [=](const SolverQuestion& question) {
-            return bound_as_answer(question, seed, name, which);
+            return bound_as_answer(question, seed, name, which, *last);
           }};
 }
 
 }  // namespace
 
 std::vector<TrialSolver> image_bound_solvers(uint64_t seed) {
+  const auto last = std::make_shared<LastBounds>();
   return {bound_solver("image_bound", "what the image's Cramer-Rao bound leaves, light unknown",
-                       seed, &ImageBounds::unknown_light),
+                       seed, &ImageBounds::unknown_light, last),
           bound_solver("outline_bound", "the same of the outline alone, contrast unknown", seed,
-                       &ImageBounds::outline)};
+                       &ImageBounds::outline, last)};
 }
 
 }  // namespace sightline

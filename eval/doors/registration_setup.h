@@ -14,14 +14,14 @@ enum class RegistrationUse { kOff, kImage, kOutline, kBoth };
 
 /// Where a registration starts.
 enum class RegistrationStart {
-  kFeatures,  ///< at the pose of the features found, where it fits the prior; else at the prior
-  kPrior,
+  kAtFeatures,  ///< at the pose of the features found, where it fits the prior; else at the prior
+  kAtPrior,
 };
 
 /// How the target is laid on images.
 struct RegistrationSetup {
   RegistrationUse use = RegistrationUse::kOff;
-  RegistrationStart start = RegistrationStart::kFeatures;
+  RegistrationStart start = RegistrationStart::kAtFeatures;
   double mesh_fraction = 1;   ///< of the triangles, what the model keeps
   bool knows_albedos = true;  ///< of the target's parts; else all are taken for alike
   /// Of the camera's calibration, which its file takes for exact: carried into the covariance.

@@ -51,7 +51,7 @@ SolverAnswer lay_on_image(const SolverQuestion& question, RegistrationRegion reg
                         std::exp2(shown.scene.sensor.bits) - 1,
                         shown.prior,
                         std::nullopt};
-  if (shown.registration.start == RegistrationStart::kFeatures) {
+  if (shown.registration.start == RegistrationStart::kAtFeatures) {
     task.start = pose_of_features(question, shown.prior);
   }
   const Registration registration = register_mesh(task, options);
