@@ -69,16 +69,20 @@ const CarriedValues& ColourResolver::carried_by(uint32_t id, const ColourShader&
 // there.
 void ColourResolver::carry(Seen& seen, int sample) {
   const CarriedValues& values = carried_by(seen.id, *seen.shader, seen.triangle);
-  seen.carried.col(0) = values.rows * Eigen::Vector3d(centre_.x(), centre_.y(), 1);
-  seen.carried.rightCols<2>() = values.rows.leftCols<2>() * per_pixel_;
+  Eigen::Matrix3d rays;  // at the centre, by x and by y of the offset
+  rays << centre_.x(), per_pixel_(0, 0), per_pixel_(0, 1), centre_.y(), per_pixel_(1, 0),
+      per_pixel_(1, 1), 1, 0, 0;
+  seen.uv = values.uv * rays;
+  seen.has_colours = seen.shader->has_colours(seen.triangle);
+  if (seen.has_colours) seen.colours = values.colours * rays;
   seen.least_uv = values.least_uv;
   seen.greatest_uv = values.greatest_uv;
   const TextureRef* texture = seen.shader->finest_texture(seen.triangle);
   if (texture == nullptr) return;
-  const Values at = values_at(seen, sample);
-  const Eigen::Vector2d uv = at.head<2>() / at[6];
+  const Eigen::Vector3d at = seen.uv * Eigen::Vector3d(1, pattern_.x[sample], pattern_.y[sample]);
+  const Eigen::Vector2d uv = at.head<2>() / at.z();
   const Eigen::Matrix2d uv_from_px =
-      (seen.carried.topRightCorner<2, 2>() - uv * seen.carried.bottomRightCorner<1, 2>()) / at[6];
+      (seen.uv.topRightCorner<2, 2>() - uv * seen.uv.bottomRightCorner<1, 2>()) / at.z();
   const auto& m = texture->texture_from_uv;
   Eigen::Matrix2d texture_from_uv;
   texture_from_uv << m[0], m[1], m[3], m[4];
@@ -87,19 +91,21 @@ void ColourResolver::carry(Seen& seen, int sample) {
   seen.level = static_cast<float>(std::log2(footprint)) - sample_levels_;
 }
 
-ColourResolver::Values ColourResolver::values_at(const Seen& seen, int sample) const {
-  return seen.carried.col(0) + seen.carried.col(1) * static_cast<double>(pattern_.x[sample]) +
-         seen.carried.col(2) * static_cast<double>(pattern_.y[sample]);
-}
-
 ColourResolver::PaintPoint ColourResolver::paint_at(const Seen& seen, int sample) const {
   PaintPoint point;
   if (!seen.is_painted) return point;
-  Values at = values_at(seen, sample);
-  at /= at[6];
+  const double x = pattern_.x[sample];
+  const double y = pattern_.y[sample];
+  const Eigen::Vector3d at = seen.uv.col(0) + seen.uv.col(1) * x + seen.uv.col(2) * y;
+  const double per_weight = 1 / at.z();
   // A sample of a lens's chords may lie off the triangle by some 1e-4 px, much seen edge-on.
-  point.uv = at.head<2>().cwiseMax(seen.least_uv).cwiseMin(seen.greatest_uv).cast<float>();
-  point.colour = at.segment<4>(2).array().max(0).min(1).cast<float>();
+  const Eigen::Vector2d uv = at.head<2>() * per_weight;
+  point.uv = uv.cwiseMax(seen.least_uv).cwiseMin(seen.greatest_uv).cast<float>();
+  if (!seen.has_colours) return point;
+  const Eigen::Vector3d colour =
+      (seen.colours.col(0) + seen.colours.col(1) * x + seen.colours.col(2) * y).head<3>() *
+      per_weight;
+  point.colour = colour.array().max(0).min(1).cast<float>();
   return point;
 }
 
@@ -110,43 +116,44 @@ ColourLight ColourResolver::light_at(const Seen& seen, int sample, const PaintPo
   return seen.shader->light_at(point, paint.uv, seen.level + sample_levels_);
 }
 
-ColourResolver::Seen ColourResolver::first_sight(uint32_t id, int sample) {
+// Sees a triangle for the first time in this pixel.
+void ColourResolver::meet(uint32_t id, int sample, Seen& seen) {
   const size_t b = body_of(bodies_, id);
-  Seen seen;
   seen.id = id;
   seen.triangle = static_cast<int>(id - bodies_[b].first_id);
   seen.shader = &shaders_[b];
   seen.is_painted = seen.shader->is_painted(seen.triangle);
+  seen.has_colours = false;
+  seen.emits = seen.shader->emits(seen.triangle);
+  seen.level = 0;
+  seen.factor = seen.shader->base_factor(seen.triangle).head<3>();
   if (seen.is_painted) carry(seen, sample);
   const PaintPoint paint = paint_at(seen, sample);
   seen.light = light_at(seen, sample, paint);
   seen.is_plain = !seen.is_painted && !seen.shader->has_detail();
   if (seen.is_plain) seen.plain = light_of(seen, seen.light, paint);
-  return seen;
 }
 
 Eigen::Array3f ColourResolver::light_of(const Seen& seen, const ColourLight& light,
                                         const PaintPoint& paint) const {
-  const Eigen::Array3f base =
-      seen.shader->base_at(seen.triangle, paint.colour, paint.uv, seen.level).head<3>();
-  const Eigen::Array3f sent = base * light.of_base + light.own +
-                              seen.shader->emission_at(seen.triangle, paint.uv, seen.level);
+  Eigen::Array3f base = seen.factor * paint.colour;
+  if (seen.is_painted) {
+    base *= seen.shader->texel_at(seen.triangle, paint.uv, seen.level).head<3>();
+  }
+  Eigen::Array3f sent = base * light.of_base + light.own;
+  if (seen.emits) sent += seen.shader->emission_at(seen.triangle, paint.uv, seen.level);
   return sent.min(1.0f);
 }
 
-// The entry of a triangle in this pixel, the last one found kept last.
-ColourResolver::Seen& ColourResolver::entry_of(uint32_t id, int sample) {
-  const auto begin = seen_.begin();
-  const auto end = begin + known_;
-  if (known_ > 0 && (end - 1)->id == id) return *(end - 1);
-  const auto found = std::find_if(begin, end, [id](const Seen& s) { return s.id == id; });
-  if (found == end) {
-    *end = first_sight(id, sample);
-    ++known_;
-    return *end;
+// The entry of a triangle in this pixel; what neighbouring samples see is looked at first.
+const ColourResolver::Seen& ColourResolver::entry_of(uint32_t id, int sample) {
+  if (known_ > 0 && seen_[last_].id == id) return seen_[last_];
+  for (last_ = 0; last_ < known_; ++last_) {
+    if (seen_[last_].id == id) return seen_[last_];
   }
-  std::iter_swap(found, end - 1);
-  return *(end - 1);
+  meet(id, sample, seen_[known_]);
+  ++known_;
+  return seen_[last_];
 }
 
 Eigen::Array3f ColourResolver::mean(int x, int y, const uint32_t* ids,

@@ -32,32 +32,34 @@ class ColourResolver {
   Eigen::Array3f mean(int x, int y, const uint32_t* ids, const Eigen::Array3f& background);
 
  private:
-  using Values = Eigen::Matrix<double, 7, 1>;  // u, v, red, green, blue, alpha, weight
-
   // A triangle as this pixel sees it.
   struct Seen {
     uint32_t id = 0;
     int triangle = 0;
     const ColourShader* shader = nullptr;
     bool is_painted = false;
-    bool is_plain = false;                // every sample of it is alike
-    float level = 0;                      // of the texture
-    Eigen::Matrix<double, 7, 3> carried;  // at the centre, by x and by y of the offset
+    bool has_colours = false;
+    bool is_plain = false;  // every sample of it is alike
+    bool emits = false;
+    float level = 0;  // of the texture
+    // What its corners carry: at the centre, by x and by y of the offset.
+    Eigen::Matrix<double, 3, 3> uv;       // u, v, weight
+    Eigen::Matrix<double, 4, 3> colours;  // red, green, blue, alpha, by the same weight
     Eigen::Vector2d least_uv, greatest_uv;
     ColourLight light;
+    Eigen::Array3f factor;
     Eigen::Array3f plain;
   };
   struct PaintPoint {
     Eigen::Vector2f uv = Eigen::Vector2f::Zero();
-    Eigen::Array4f colour = Eigen::Array4f::Ones();
+    Eigen::Array3f colour = Eigen::Array3f::Ones();
   };
 
   void enter_pixel(int x, int y);
-  Seen& entry_of(uint32_t id, int sample);
-  Seen first_sight(uint32_t id, int sample);
+  const Seen& entry_of(uint32_t id, int sample);
+  void meet(uint32_t id, int sample, Seen& seen);
   void carry(Seen& seen, int sample);
   const CarriedValues& carried_by(uint32_t id, const ColourShader& shader, int triangle);
-  Values values_at(const Seen& seen, int sample) const;
   PaintPoint paint_at(const Seen& seen, int sample) const;
   ColourLight light_at(const Seen& seen, int sample, const PaintPoint& paint) const;
   Eigen::Array3f light_of(const Seen& seen, const ColourLight& light,
@@ -73,7 +75,8 @@ class ColourResolver {
   Eigen::Matrix2d per_pixel_ = Eigen::Matrix2d::Zero();  // its derivative by the pixel
   float sample_levels_;  // how many levels finer a sample is than a pixel
   std::vector<Seen> seen_;
-  int known_ = 0;  // entries of seen_
+  size_t known_ = 0;  // entries of seen_
+  size_t last_ = 0;   // the one found last
 };
 
 /// How a body is shadowed; none where the scene's light casts no shadows.

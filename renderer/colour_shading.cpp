@@ -58,9 +58,8 @@ ColourShader::ColourShader(const PlacedBody& body, const Light& light, bool is_g
   for (const Part& part : body.mesh->parts) {
     paints_.push_back(paint_of(part, draws_textures, textures));
     count_levels(paints_.back());  // where it stays: it points into itself
-    const bool is_painted = part.material && draws_textures && !body.mesh->coats.empty();
-    painted_.push_back(is_painted);
   }
+  find_colours();
 }
 
 ColourShader::Paint ColourShader::paint_of(const Part& part, bool draws_textures,
@@ -68,6 +67,11 @@ ColourShader::Paint ColourShader::paint_of(const Part& part, bool draws_textures
   Paint paint;
   paint.material = part.material.value_or(grey_material(part.albedo));
   const Mesh& mesh = *hits_.body().mesh;
+  paint.is_painted = part.material && draws_textures && !mesh.coats.empty();
+  for (size_t c = 0; c < 4; ++c) {
+    paint.factor[static_cast<Eigen::Index>(c)] = static_cast<float>(paint.material.base[c]);
+  }
+  paint.emits = !is_grey_ && paint.material.emissive != Material{}.emissive;
   const auto pyramid = [&](const TextureRef& ref, bool weighs_alpha) -> const TexturePyramid* {
     const bool is_drawn = draws_textures && ref.is_there() && !mesh.coats.empty();
     return is_drawn ? &textures.pyramid(mesh.textures[ref.texture], weighs_alpha) : nullptr;
@@ -98,12 +102,15 @@ CarriedValues ColourShader::carried(int triangle) const {
   volumes.row(2) = a.cross(b);
   volumes *= body_from_cam_;
   const Coat& coat = mesh.coats[triangle];
-  Eigen::Matrix<double, 7, 3> at_corners;
+  Eigen::Matrix3d uv;
+  Eigen::Matrix<double, 4, 3> colours;
   for (int i = 0; i < 3; ++i) {
-    at_corners.col(i) << coat.uv[i].cast<double>(), coat.colour[i].cast<double>(), 1;
+    uv.col(i) << coat.uv[i].cast<double>(), 1;
+    colours.col(i) = coat.colour[i].cast<double>();
   }
-  const Eigen::Matrix<double, 2, 3> uv = at_corners.topRows<2>();
-  return {at_corners * volumes, uv.rowwise().minCoeff(), uv.rowwise().maxCoeff()};
+  const Eigen::Matrix<double, 2, 3> at_corners = uv.topRows<2>();
+  return {uv * volumes, colours * volumes, at_corners.rowwise().minCoeff(),
+          at_corners.rowwise().maxCoeff()};
 }
 
 void ColourShader::count_levels(Paint& paint) {
@@ -136,15 +143,22 @@ Eigen::Vector2d ColourShader::texels(int triangle) const {
   return {static_cast<double>(first->width()), static_cast<double>(first->height())};
 }
 
-Eigen::Array4f ColourShader::base_at(int triangle, const Eigen::Array4f& colour,
-                                     const Eigen::Vector2f& uv, float level) const {
+Eigen::Array4f ColourShader::texel_at(int triangle, const Eigen::Vector2f& uv, float level) const {
   const Paint& paint = paints_[part_of(triangle)];
-  const auto& base = paint.material.base;
-  Eigen::Array4f out =
-      colour * Eigen::Array4f(static_cast<float>(base[0]), static_cast<float>(base[1]),
-                              static_cast<float>(base[2]), static_cast<float>(base[3]));
-  if (paint.base == nullptr) return out;
-  return out * looked_up(*paint.base, paint.material.base_texture, uv, level);
+  if (paint.base == nullptr) return Eigen::Array4f::Ones();
+  return looked_up(*paint.base, paint.material.base_texture, uv, level);
+}
+
+void ColourShader::find_colours() {
+  const Mesh& mesh = *hits_.body().mesh;
+  for (size_t i = 0; i < mesh.coats.size(); ++i) {
+    Paint& paint = paints_[part_of(static_cast<int>(i))];
+    if (paint.has_colours || !paint.is_painted) continue;
+    const auto& colour = mesh.coats[i].colour;
+    paint.has_colours = std::any_of(colour.begin(), colour.end(), [](const Eigen::Vector4f& c) {
+      return c != Eigen::Vector4f::Ones();
+    });
+  }
 }
 
 Eigen::Array3f ColourShader::emission_at(int triangle, const Eigen::Vector2f& uv,

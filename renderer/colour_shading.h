@@ -15,9 +15,10 @@
 namespace sightline {
 
 /// Where rays through a pixel's neighbourhood meet a triangle, in terms of what its corners carry:
-/// linear functions of the ray (x/z, y/z, 1), whose ratios to the last row are the carried values.
+/// linear functions of the ray (x/z, y/z, 1), whose ratios to the weight are the carried values.
 struct CarriedValues {
-  Eigen::Matrix<double, 7, 3> rows;  ///< u, v, red, green, blue, alpha, weight
+  Eigen::Matrix3d uv;                   ///< u, v, weight
+  Eigen::Matrix<double, 4, 3> colours;  ///< red, green, blue, alpha
   Eigen::Vector2d least_uv, greatest_uv;
 };
 
@@ -43,10 +44,8 @@ class ColourShader {
   /// The light at a point. `uv` and `level` are where textures of the part are looked up that say
   /// how it is reflected.
   ColourLight light_at(const SurfacePoint& point, const Eigen::Vector2f& uv, float level) const;
-  /// The base colour (linear, with alpha) where the corners carry `colour` and texture coordinates
-  /// `uv`.
-  Eigen::Array4f base_at(int triangle, const Eigen::Array4f& colour, const Eigen::Vector2f& uv,
-                         float level) const;
+  /// The texture's colour (linear, with alpha) at texture coordinates `uv`; white without one.
+  Eigen::Array4f texel_at(int triangle, const Eigen::Vector2f& uv, float level) const;
   /// Light of its own, in colour alone.
   Eigen::Array3f emission_at(int triangle, const Eigen::Vector2f& uv, float level) const;
 
@@ -57,7 +56,14 @@ class ColourShader {
   Eigen::Vector2d texels(int triangle) const;
 
   /// The triangle's corners carry something that its part draws.
-  bool is_painted(int triangle) const { return painted_[part_of(triangle)]; }
+  bool is_painted(int triangle) const { return paints_[part_of(triangle)].is_painted; }
+  /// They carry colours that are not all white.
+  bool has_colours(int triangle) const { return paints_[part_of(triangle)].has_colours; }
+  /// The factor on the texture's colour.
+  const Eigen::Array4f& base_factor(int triangle) const {
+    return paints_[part_of(triangle)].factor;
+  }
+  bool emits(int triangle) const { return paints_[part_of(triangle)].emits; }
   CarriedValues carried(int triangle) const;
 
   const RayHits& hits() const { return hits_; }
@@ -67,6 +73,10 @@ class ColourShader {
  private:
   struct Paint {
     Material material;
+    Eigen::Array4f factor = Eigen::Array4f::Ones();
+    bool is_painted = false;
+    bool has_colours = false;
+    bool emits = false;
     const TexturePyramid* base = nullptr;
     const TexturePyramid* gloss = nullptr;
     const TexturePyramid* emissive = nullptr;
@@ -82,6 +92,7 @@ class ColourShader {
   int part_of(int triangle) const { return hits_.body().mesh->triangles[triangle].part; }
   Paint paint_of(const Part& part, bool draws_textures, TextureCache& textures) const;
   static void count_levels(Paint& paint);
+  void find_colours();
   Eigen::Vector3d tilted(const Paint& paint, int triangle, const Eigen::Vector3d& normal,
                          const Eigen::Vector2f& uv, float level) const;
   Reflection of_distant(const Paint& paint, const Gloss& gloss, double level,
@@ -99,7 +110,6 @@ class ColourShader {
   Eigen::Matrix3d body_from_cam_;
   std::unique_ptr<const ShadowMap> shadow_;
   std::vector<Paint> paints_;  // a part each
-  std::vector<bool> painted_;  // alike
 };
 
 }  // namespace sightline

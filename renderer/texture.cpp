@@ -45,14 +45,20 @@ uint8_t code_of(float linear, bool is_srgb) {
   return kCodesOfLight[static_cast<size_t>(std::lround((kFineSteps - 1) * clamped))];
 }
 
+// The largest whole number that is not greater; a call of the library costs more than the rest.
+int64_t floor_of(float x) {
+  const auto whole = static_cast<int64_t>(x);
+  return whole - (static_cast<float>(whole) > x ? 1 : 0);
+}
+
 // A coordinate within [0, 1], or just beyond for the blend across a repeated border.
 float wrapped(float coordinate, Wrap wrap) {
   switch (wrap) {
     case Wrap::kRepeat:
-      return coordinate - std::floor(coordinate);
+      return coordinate - static_cast<float>(floor_of(coordinate));
     case Wrap::kMirror: {
       const float half = coordinate / 2;
-      const float folded = 2 * (half - std::floor(half));
+      const float folded = 2 * (half - static_cast<float>(floor_of(half)));
       return folded <= 1 ? folded : 2 - folded;
     }
     case Wrap::kClamp:
@@ -78,7 +84,8 @@ float share(float begin, float end, int i) {
 TexturePyramid::TexturePyramid(std::shared_ptr<const Texture> texture, bool weighs_alpha)
     : texture_(std::move(texture)),
       weighs_alpha_(weighs_alpha),
-      linear_(linear_table(texture_->is_srgb)) {
+      linear_(linear_table(texture_->is_srgb)),
+      alpha_(linear_table(false)) {
   levels_.push_back({texture_->width, texture_->height, {}, texture_->rgba.data()});
   while (levels_.back().width > 1 || levels_.back().height > 1) {
     levels_.push_back(halved(levels_.back()));
@@ -87,10 +94,13 @@ TexturePyramid::TexturePyramid(std::shared_ptr<const Texture> texture, bool weig
 }
 
 void TexturePyramid::add(const uint8_t* texel, float weight, Eigen::Array4f& sum) const {
-  const float alpha = weight * static_cast<float>(texel[3] / 255.0);
-  const float colour = weighs_alpha_ ? alpha : weight;
-  sum += Eigen::Array4f(colour * linear_[texel[0]], colour * linear_[texel[1]],
-                        colour * linear_[texel[2]], alpha);
+  const float alpha = alpha_[texel[3]];
+  const Eigen::Array4f light(linear_[texel[0]], linear_[texel[1]], linear_[texel[2]], alpha);
+  if (!weighs_alpha_) {
+    sum += weight * light;
+    return;
+  }
+  sum += weight * alpha * Eigen::Array4f(light[0], light[1], light[2], 1);
 }
 
 Eigen::Array4f TexturePyramid::unweighed(Eigen::Array4f sum) const {
@@ -139,8 +149,8 @@ Eigen::Array4f TexturePyramid::bilinear(const Level& level, const TextureRef& re
                                         float v) const {
   const float x = wrapped(u, ref.wrap_u) * static_cast<float>(level.width) - 0.5f;
   const float y = wrapped(v, ref.wrap_v) * static_cast<float>(level.height) - 0.5f;
-  const int left = static_cast<int>(std::floor(x));
-  const int top = static_cast<int>(std::floor(y));
+  const int left = static_cast<int>(floor_of(x));
+  const int top = static_cast<int>(floor_of(y));
   const float right_share = x - static_cast<float>(left);
   const float bottom_share = y - static_cast<float>(top);
   const int columns[2] = {texel_at(left, level.width, ref.wrap_u),

@@ -46,6 +46,7 @@ class TexturePyramid {
   std::shared_ptr<const Texture> texture_;
   bool weighs_alpha_;
   const float* linear_;  // of each of the 256 numbers of a colour
+  const float* alpha_;   // of those of alpha
   std::vector<Level> levels_;
 };
 

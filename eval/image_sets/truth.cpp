@@ -303,6 +303,7 @@ std::vector<std::string> truth_problems(const fs::path& folder, const SetPlan& p
 }
 
 bool is_in_colour(const Json& truth) {
+  if (!truth.contains("scene")) return false;  // one that is being made
   const Json& scene = truth.at("scene");
   return scene.contains("colouring") && scene.at("colouring").at("colour") != "grey";
 }
