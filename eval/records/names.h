@@ -59,18 +59,19 @@ enum class EstimateOutcome {
   kPictureUnreadable,  ///< of a data set
   kMaskUnreadable,     ///< of a data set, or its size is not the picture's
   // Of guests: see eval/doors/.
-  kNoEstimate,   ///< its file has none for the trial, or it says that it has none
-  kNotRigid,     ///< what it gave is no rotation and translation of finite numbers
-  kTimedOut,     ///< it did not answer in time
-  kCrashed,      ///< its process ended
-  kGarbled,      ///< its answer is none by the protocol
-  kRaisedError,  ///< it says that it failed
+  kNoEstimate,     ///< its file has none for the trial, or it says that it has none
+  kNotRigid,       ///< what it gave is no rotation and translation of finite numbers
+  kTimedOut,       ///< it did not answer in time
+  kCrashed,        ///< its process ended
+  kGarbled,        ///< its answer is none by the protocol
+  kRaisedError,    ///< it says that it failed
+  kTooManyPoints,  ///< see PoseStatus
 };
-inline constexpr std::array<std::string_view, 19> kEstimateOutcomes = {
-    "ok",         "too_few_points",     "degenerate",        "behind_camera",  "diverged",
-    "not_finite", "bad_weights",        "reflection",        "not_converged",  "not imaged",
-    "no prior",   "picture unreadable", "mask unreadable",   "no estimate",    "not rigid",
-    "timed out",  "process ended",      "answer unreadable", "raised an error"};
+inline constexpr std::array<std::string_view, 20> kEstimateOutcomes = {
+    "ok",         "too_few_points",     "degenerate",        "behind_camera",   "diverged",
+    "not_finite", "bad_weights",        "reflection",        "not_converged",   "not imaged",
+    "no prior",   "picture unreadable", "mask unreadable",   "no estimate",     "not rigid",
+    "timed out",  "process ended",      "answer unreadable", "raised an error", "too_many_points"};
 
 /// What an observation is, held against the truth. Tables list labels in this order.
 enum class ObservationLabel {
@@ -100,7 +101,7 @@ constexpr std::span<const std::string_view> names_of(ObservationLabel) {
 }
 
 static_assert(kObservationOutcomes.size() == static_cast<size_t>(ObservationOutcome::kMissing) + 1);
-static_assert(kEstimateOutcomes.size() == static_cast<size_t>(EstimateOutcome::kRaisedError) + 1);
+static_assert(kEstimateOutcomes.size() == static_cast<size_t>(EstimateOutcome::kTooManyPoints) + 1);
 static_assert(kObservationLabels.size() == static_cast<size_t>(ObservationLabel::kPlanted) + 1);
 
 /// An enum of this file.
