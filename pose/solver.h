@@ -158,7 +158,8 @@ struct PoseSolver {
   bool unit_covariance_is_whitened = false;
 
   /// The pose, whatever the input: points that cannot be used are left out and listed, an initial
-  /// pose can only help, points given twice count once for what is determined (pose/entry/entry.cpp).
+  /// pose can only help, points given twice count once for what is determined
+  /// (pose/entry/entry.cpp).
   PoseEstimate solve(const PoseProblem& problem, const SolverOptions& options = {}) const;
 };
 
