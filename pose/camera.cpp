@@ -72,8 +72,9 @@ std::optional<Eigen::Vector2d> normalised_from_pixel(const Camera& camera,
   Eigen::Vector2d normalised = target;
   for (int i = 0; i < kMaxUndistortIterations; ++i) {
     const Eigen::Matrix2d jacobian = distortion_jacobian(camera.distortion, normalised);
-    // A fold of the lens model: beyond it two rays fall on one pixel.
-    if (!(jacobian.determinant() > 0)) return std::nullopt;
+    // A fold of the lens model: beyond it two rays fall on one pixel. Beyond two folds the model
+    // turns the image about, which no lens does.
+    if (!(jacobian.determinant() > 0 && jacobian.trace() > 0)) return std::nullopt;
     const Eigen::Vector2d excess = distorted(camera.distortion, normalised) - target;
     const Eigen::Vector2d step = jacobian.inverse() * excess;
     normalised -= step;

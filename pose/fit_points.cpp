@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "pose/minimax_null.h"
+
 namespace sightline {
 namespace {
 
@@ -58,6 +60,13 @@ PoseEstimate with_pose(PoseEstimate estimate, const FitPoints& points,
   }
   estimate.cam_from_target = cam_from_target;
   estimate.unit_covariance = covariance_from_centred(*covariance, cam_from_centred, c);
+  return estimate;
+}
+
+PoseEstimate with_minimax_pose(PoseEstimate estimate, const FitPoints& points,
+                               const Pose& cam_from_centred) {
+  estimate = with_pose(std::move(estimate), points, cam_from_centred);
+  estimate.unit_covariance *= minimax_variance_factor(points.size());
   return estimate;
 }
 

@@ -47,6 +47,11 @@ std::optional<Matrix6d> unit_covariance(const FitPoints& points, const Pose& cam
 PoseEstimate with_pose(PoseEstimate estimate, const FitPoints& points,
                        const Pose& cam_from_centred);
 
+/// The same for a pose that is the minimax of these points: its covariance is the minimax's own
+/// (minimax_variance_factor, pose/minimax_null.h).
+PoseEstimate with_minimax_pose(PoseEstimate estimate, const FitPoints& points,
+                               const Pose& cam_from_centred);
+
 /// The estimate given, with the pose that least squares on these points finds from a start near it
 /// filled in, and with its unit covariance. Where least squares fails its status is the estimate's.
 PoseEstimate with_least_squares(PoseEstimate estimate, const FitPoints& points,

@@ -78,6 +78,9 @@ double interpolate(double tail, const Value& value) {
   return line(to - 1, to);
 }
 
+/// Points that are met exactly, whatever is minimised.
+constexpr std::size_t kMetExactly = 3;
+
 }  // namespace
 
 double minimax_quantile(std::size_t points, double tail) {
@@ -94,6 +97,12 @@ double minimax_ratio_quantile(std::size_t points, double tail) {
   const auto& row = kRatioQuantiles[std::min(points, kMostPoints) - kFewestRatioPoints];
   // Its law falls off as a power: logarithms are nearly linear.
   return std::exp(interpolate(tail, [&row](std::size_t i) { return std::log(row[i]); }));
+}
+
+double minimax_variance_factor(std::size_t points) {
+  if (points <= kMetExactly) return 1;
+  const double n = static_cast<double>(points);
+  return 0.37 * n / std::log(n);
 }
 
 }  // namespace sightline

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -39,11 +40,12 @@ struct PoseProblem {
 /// Whether a solver has a pose, or why it has none.
 enum class PoseStatus {
   kOk,
-  kTooFewPoints,  ///< fewer than kMinimumPosePoints, or lists of different lengths
-  kDegenerate,    ///< the input does not determine a pose: points that are collinear or coincide,
-                  ///< numbers that are not finite, a pixel that the lens model cannot undo
-  kBehindCamera,  ///< the initial pose has a point behind the camera
-  kDiverged,      ///< no convergence
+  kTooFewPoints,   ///< fewer than kMinimumPosePoints, or lists of different lengths
+  kTooManyPoints,  ///< more than the solver has time for (PoseSolver::most_points)
+  kDegenerate,     ///< the input does not determine a pose: points that are collinear or coincide,
+                   ///< numbers that are not finite, a pixel that the lens model cannot undo
+  kBehindCamera,   ///< every start has a point behind the camera
+  kDiverged,       ///< no convergence
 };
 
 /// The name that files give to a status.
@@ -60,7 +62,8 @@ struct Diagnosis {
   /// Whether the solver could remove no more points than it did, so that outliers may be left.
   std::optional<bool> is_removal_limit_reached;
   /// Whether the points that are kept fail the test for looking like noise of the size that is
-  /// known (orpe_tree: or was estimated). No value where the size is needed and not known.
+  /// known (orpe_tree: or was estimated). Where it is not known, the test is whether the largest
+  /// residual stands out from the others.
   std::optional<bool> is_test_failed;
   /// The pose of least squares with exactly the points of PoseEstimate::removed left out, from a
   /// solver whose cam_from_target is a mean over several sets of points.
@@ -83,22 +86,23 @@ struct PoseEstimate {
   /// the outliers included. Only consensus, orpe_consensus and orpe_weighed have one;
   /// of the others, unit_covariance times the noise's variance is the covariance.
   std::optional<Matrix6d> covariance;
-  std::optional<Diagnosis> diagnosis;  ///< none from solvers that do not judge their own answer
-  int iterations = 0;                  ///< of the innermost optimiser, all calls together
+  /// What the solver says of its answer, and what the common entry adds (SolverOptions::is_judged).
+  std::optional<Diagnosis> diagnosis;
+  int iterations = 0;  ///< of the innermost optimiser, all calls together
   /// Points that could not be used (a number that is not finite, a pixel that the lens model cannot
-  /// undo, a covariance that is not positive definite), ascending; also where the status is not ok.
-  /// Only consensus and orpe_consensus leave such points out; the others refuse them.
+  /// undo, a covariance that is not positive definite, behind an initial pose that stands though),
+  /// ascending; also where the status is not ok.
   std::vector<int> ignored;
   /// The probability of each point to be an inlier, 0 of those ignored. Only from consensus.
   std::optional<std::vector<double>> inlier_probabilities;
   /// Another pose that explains the points nearly as well, where the diagnosis says that there is
-  /// one. Only from consensus and orpe_consensus.
+  /// one (orpe_weighed may say so without one).
   std::optional<Pose> second_cam_from_target;
   /// The standard deviation of an inlier's noise in each coordinate, as the solver was told or
   /// found it; with covariances in their units. Only from consensus and orpe_consensus.
   std::optional<double> noise_px;
-  /// Root mean square of the residuals of the points that are kept, in each coordinate. Only from
-  /// consensus.
+  /// Root mean square of the residuals of the points that are kept, in each coordinate; with
+  /// covariances in their units.
   std::optional<double> residual_rms_px;
 };
 
@@ -132,16 +136,31 @@ struct SolverOptions {
   LspeOptions lspe;
   OrpeOptions orpe;
   OutlierOptions outliers;
+  /// Whether the common entry adds to the diagnosis what the solver does not say itself: residuals,
+  /// whether they look like noise, whether chance explains the pose, the second pose of a plane.
+  /// Studies, which judge by the truth, go without.
+  bool is_judged = true;
 };
 
 /// One way to estimate a pose. To add a solver: write pose/solvers/<name>.cpp with one function of
-/// this signature, declare it in pose/solvers/solvers.h, and give it a line in the catalogue
-/// (pose/solver.cpp).
+/// the signature of `core`, declare it in pose/solvers/solvers.h, and give it a line in the
+/// catalogue (pose/solver.cpp).
 struct PoseSolver {
   std::string_view name;
   std::string_view summary;
   bool evaluation_only;  ///< needs the truth; never in a default list
-  PoseEstimate (*solve)(const PoseProblem& problem, const SolverOptions& options);
+  /// The solver's own function, for problems all of whose points can be used. Call `solve`.
+  PoseEstimate (*core)(const PoseProblem& problem, const SolverOptions& options);
+  std::size_t most_points = 0;  ///< more would take too long; 0: any number
+  /// Whether `core` itself leaves out what cannot be used and is not bound to an initial pose.
+  bool takes_any_input = false;
+  /// Whether unit_covariance is that for noise of the covariances, where there are some.
+  bool unit_covariance_is_whitened = false;
+
+  /// The pose, whatever the input: points that cannot be used are left out and listed, an initial
+  /// pose can only help, points given twice count once for what is determined
+  /// (pose/entry/entry.cpp).
+  PoseEstimate solve(const PoseProblem& problem, const SolverOptions& options = {}) const;
 };
 
 /// What holds for every solver: a pose with status kOk is a rigid one with all kept points in front

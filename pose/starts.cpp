@@ -17,8 +17,7 @@ namespace {
 /// pose to its minimum by itself: orthogonal iteration has nothing to correct, and is slow there.
 constexpr double kWeakPerspective = 0.1;
 
-/// False for nearly planar clouds (PointSpread::is_nearly_planar), and for some others.
-bool is_clearly_solid(const Eigen::Matrix3d& scatter) {
+bool is_scatter_clearly_solid(const Eigen::Matrix3d& scatter) {
   const Eigen::Matrix3d& m = scatter;
   const double pairs = m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) -
                        m(0, 2) * m(0, 2) + m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
@@ -28,6 +27,19 @@ bool is_clearly_solid(const Eigen::Matrix3d& scatter) {
 }
 
 }  // namespace
+
+bool is_clearly_solid(std::span<const Eigen::Vector3d> points) {
+  if (points.empty()) return false;
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : points) {
+    const Eigen::Vector3d p = point - points.front();  // far from the origin p p^T would round
+    sum += p;
+    scatter.noalias() += p * p.transpose();
+  }
+  scatter.noalias() -= sum * sum.transpose() / static_cast<double>(points.size());
+  return is_scatter_clearly_solid(scatter);
+}
 
 std::optional<Pose> weak_perspective_start(const Correspondences& c) {
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
@@ -48,7 +60,7 @@ std::optional<Pose> weak_perspective_start(const Correspondences& c) {
   const Eigen::Vector2d u_mean = u_sum / n;
   scatter.noalias() -= p_sum * p_mean.transpose();
   cross.noalias() -= u_sum * p_mean.transpose();
-  if (!is_clearly_solid(scatter)) return std::nullopt;
+  if (!is_scatter_clearly_solid(scatter)) return std::nullopt;
 
   const Eigen::Matrix<double, 2, 3> affine = cross * scatter.inverse();
   const std::optional<Eigen::Matrix3d> rotation = rotation_from_affine(affine);

@@ -5,12 +5,19 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "pose/pose.h"
 #include "pose/reprojection.h"
 
 namespace sightline {
+
+/// Whether points are clearly not in a plane: false for nearly planar clouds
+/// (PointSpread::is_nearly_planar), and for some others.
+bool is_clearly_solid(std::span<const Eigen::Vector3d> points);
 
 /// The scaled-orthographic pose of a target that is clearly not planar and so far away that least
 /// squares needs no better start (kWeakPerspective in pose/starts.cpp), as cam_from_centred; none

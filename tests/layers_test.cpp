@@ -83,6 +83,7 @@ const Rooms kScenesRooms = {
 const std::string kTop = ".";
 
 const Rooms kPoseRooms = {
+    {"entry", {"solvers", "consensus", kTop}},
     {"solvers", {"consensus", kTop, "kernels"}},
     {"consensus", {kTop, "kernels"}},
     {"orientation", {kTop, "kernels"}},

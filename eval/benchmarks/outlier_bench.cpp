@@ -3,8 +3,10 @@
 //
 // outlier/<solver>/<points>: every solver of the catalogue, start-free, on points with noise of 1
 // px and one outlier. outlier/orpe_weighed/8/k=<outliers>: the same with 0 to 3 outliers.
-// outlier/consensus/<points>/<share>: with this percentage of outliers.
+// outlier/<solver>/<points>/<share>: with this percentage of outliers, every solver at few points
+// and those that are made for it at many.
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include <benchmark/benchmark.h>
@@ -46,10 +48,20 @@ Comparison register_outlier() {
     add(*find_pose_solver("orpe_weighed"), {.points = 8, .outliers = outliers},
         "outlier/orpe_weighed/8/k=" + std::to_string(outliers));
   }
-  for (const auto& [points, share] :
-       {std::pair(8, 25), {12, 50}, {50, 50}, {200, 90}, {1000, 50}}) {
-    add(*find_pose_solver("consensus"), {.points = points, .outliers = points * share / 100},
-        "outlier/consensus/" + std::to_string(points) + "/" + std::to_string(share));
+  const auto add_share = [](const PoseSolver& solver, int points, int share) {
+    add(solver, {.points = points, .outliers = points * share / 100},
+        "outlier/" + std::string(solver.name) + "/" + std::to_string(points) + "/" +
+            std::to_string(share));
+  };
+  for (const PoseSolver& solver : pose_solvers()) {
+    for (const auto& [points, share] : {std::pair(8, 25), {12, 50}})
+      add_share(solver, points, share);
+    const bool is_for_many = solver.name == "consensus" || solver.name == "orpe_consensus" ||
+                             solver.name.find("ransac") != std::string_view::npos;
+    if (!is_for_many) continue;
+    for (const auto& [points, share] : {std::pair(50, 50), {200, 90}, {1000, 50}}) {
+      add_share(solver, points, share);
+    }
   }
   return {"outlier", "orpe_weighed", {"huber_tukey", "gnc", "ransac_p3p", "opencv_ransac"}};
 }

@@ -11,8 +11,11 @@ TrialSolver built_in(const PoseSolver& solver) {
           .summary = std::string(solver.summary),
           .evaluation_only = solver.evaluation_only,
           .is_recorded = false,
-          .solve = [solve = solver.solve](const SolverQuestion& question) -> SolverAnswer {
-            PoseEstimate estimate = solve(question.problem, question.options);
+          .solve = [solver](const SolverQuestion& question) -> SolverAnswer {
+            // Studies record what the solver itself says, and judge by the truth.
+            SolverOptions options = question.options;
+            options.is_judged = false;
+            PoseEstimate estimate = solver.solve(question.problem, options);
             const auto outcome = from_string<EstimateOutcome>(to_string(estimate.status));
             return {outcome, std::move(estimate)};
           }};

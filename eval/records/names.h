@@ -71,8 +71,9 @@ enum class EstimateOutcome {
   kTargetTooSmall,
   kTargetSaturated,
   kNotTrusted,
+  kTooManyPoints,  ///< see PoseStatus
 };
-inline constexpr std::array<std::string_view, 24> kEstimateOutcomes = {"ok",
+inline constexpr std::array<std::string_view, 25> kEstimateOutcomes = {"ok",
                                                                        "too_few_points",
                                                                        "degenerate",
                                                                        "behind_camera",
@@ -95,7 +96,8 @@ inline constexpr std::array<std::string_view, 24> kEstimateOutcomes = {"ok",
                                                                        "target outside",
                                                                        "target too small",
                                                                        "target saturated",
-                                                                       "not trusted"};
+                                                                       "not trusted",
+                                                                       "too_many_points"};
 
 /// What an observation is, held against the truth. Tables list labels in this order.
 enum class ObservationLabel {
@@ -125,7 +127,7 @@ constexpr std::span<const std::string_view> names_of(ObservationLabel) {
 }
 
 static_assert(kObservationOutcomes.size() == static_cast<size_t>(ObservationOutcome::kMissing) + 1);
-static_assert(kEstimateOutcomes.size() == static_cast<size_t>(EstimateOutcome::kNotTrusted) + 1);
+static_assert(kEstimateOutcomes.size() == static_cast<size_t>(EstimateOutcome::kTooManyPoints) + 1);
 static_assert(kObservationLabels.size() == static_cast<size_t>(ObservationLabel::kPlanted) + 1);
 
 /// An enum of this file.

@@ -102,12 +102,22 @@ std::string warnings(const PoseEstimate& estimate) {
   return text;
 }
 
+// The root mean square of a minimum's residuals, in each coordinate.
+double residual_rms(const PoseProblem& problem, const PoseMinima& minima,
+                    const std::vector<int>& left_out, const PoseMinimum& minimum) {
+  const size_t kept = problem.pixels.size() - minima.ignored.size() - left_out.size();
+  return std::sqrt(minimum.cost / (2 * static_cast<double>(kept)));
+}
+
 }  // namespace
 
 std::string text_of(const PoseProblem& problem, const PoseEstimate& estimate) {
   const std::string ignored = list_row("points unusable", estimate.ignored);
   if (estimate.status != PoseStatus::kOk) {
-    return fmt::format("no pose: {}\n{}", to_string(estimate.status), ignored);
+    const bool is_too_many = estimate.status == PoseStatus::kTooManyPoints;
+    return fmt::format(
+        "no pose: {}\n{}{}", to_string(estimate.status), ignored,
+        is_too_many ? "consensus and orpe_consensus take any number of points\n" : "");
   }
   std::string text = pose_rows("cam_from_target (camera x right, y down, z forward)",
                                estimate.cam_from_target, covariance_of(problem, estimate));
@@ -140,6 +150,40 @@ std::string json_of(const PoseProblem& problem, const PoseEstimate& estimate) {
     if (estimate.second_cam_from_target) {
       json["second_cam_from_target"] = pose_json(*estimate.second_cam_from_target);
     }
+  }
+  return json.dump(2) + "\n";
+}
+
+std::string text_of(const PoseProblem& problem, const PoseMinima& minima,
+                    const std::vector<int>& left_out) {
+  const std::string lists =
+      list_row("points removed", left_out) + list_row("points unusable", minima.ignored);
+  if (minima.status != PoseStatus::kOk) {
+    return fmt::format("no pose: {}\n{}", to_string(minima.status), lists);
+  }
+  std::string text;
+  for (size_t i = 0; i < minima.minima.size(); ++i) {
+    const PoseMinimum& minimum = minima.minima[i];
+    const std::string title = fmt::format("cam_from_target, {} of {}", i + 1, minima.minima.size());
+    text += pose_rows(title.c_str(), minimum.cam_from_target, std::nullopt);
+    text += fmt::format("  {:<22}{:.4g} {}\n", "residuals, rms",
+                        residual_rms(problem, minima, left_out, minimum),
+                        problem.covariances_px2.empty() ? "px" : "sigma");
+  }
+  return text + lists;
+}
+
+std::string json_of(const PoseProblem& problem, const PoseMinima& minima,
+                    const std::vector<int>& left_out) {
+  Json json = {{"status", to_string(minima.status)},
+               {"ignored", minima.ignored},
+               {"removed", left_out},
+               {"poses", Json::array()}};
+  for (const PoseMinimum& minimum : minima.minima) {
+    json["poses"].push_back(
+        {{"cam_from_target", pose_json(minimum.cam_from_target)},
+         {"cost", minimum.cost},
+         {"residual_rms_px", residual_rms(problem, minima, left_out, minimum)}});
   }
   return json.dump(2) + "\n";
 }

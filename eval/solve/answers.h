@@ -5,7 +5,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "pose/entry/all_poses.h"
 #include "pose/robust_alignment.h"
 #include "pose/solver.h"
 
@@ -16,6 +18,13 @@ namespace sightline {
 std::string text_of(const PoseProblem& problem, const PoseEstimate& estimate);
 /// The same as JSON, everything the estimate has.
 std::string json_of(const PoseProblem& problem, const PoseEstimate& estimate);
+
+/// All poses that explain the points but those of `left_out`, the best first, each with the root
+/// mean square of its residuals (in u and in v, px; with sigmas of points in their unit).
+std::string text_of(const PoseProblem& problem, const PoseMinima& minima,
+                    const std::vector<int>& left_out);
+std::string json_of(const PoseProblem& problem, const PoseMinima& minima,
+                    const std::vector<int>& left_out);
 
 std::string text_of(const RobustAlignment& alignment);
 std::string json_of(const RobustAlignment& alignment);

@@ -155,20 +155,6 @@ void put_in_hashed_order(std::vector<UsablePoint>& points, const Eigen::Vector3d
   }
 }
 
-/// A pose that is rigid but for rounding, made so; none for anything else.
-std::optional<Pose> rigid_pose(const std::optional<Pose>& pose) {
-  if (!pose || !is_manageable(pose->translation) || !pose->rotation.allFinite()) {
-    return std::nullopt;
-  }
-  const Eigen::Matrix3d& r = pose->rotation;
-  const Eigen::Matrix3d excess = r.transpose() * r - Eigen::Matrix3d::Identity();
-  if (!(excess.cwiseAbs().maxCoeff() < kRoundedRotation) || !(r.determinant() > 0)) {
-    return std::nullopt;
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(r, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  return Pose{svd.matrixU() * svd.matrixV().transpose(), pose->translation};
-}
-
 /// Whether there are as many different points as it takes; points given twice count once.
 bool are_enough(const std::vector<Eigen::Vector3d>& points, std::size_t enough) {
   std::vector<Eigen::Vector3d> distinct;
@@ -247,6 +233,27 @@ PreparedCloud failure(PoseStatus status) {
 }
 
 }  // namespace
+
+std::optional<Pose> rigid_pose(const std::optional<Pose>& pose) {
+  if (!pose || !is_manageable(pose->translation) || !pose->rotation.allFinite()) {
+    return std::nullopt;
+  }
+  const Eigen::Matrix3d& r = pose->rotation;
+  const Eigen::Matrix3d excess = r.transpose() * r - Eigen::Matrix3d::Identity();
+  if (!(excess.cwiseAbs().maxCoeff() < kRoundedRotation) || !(r.determinant() > 0)) {
+    return std::nullopt;
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(r, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return Pose{svd.matrixU() * svd.matrixV().transpose(), pose->translation};
+}
+
+std::vector<int> unusable_points(const PoseProblem& problem) {
+  std::vector<int> unusable;
+  for (std::size_t i = 0; i < problem.pixels.size(); ++i) {
+    if (!usable_point(problem, i)) unusable.push_back(static_cast<int>(i));
+  }
+  return unusable;
+}
 
 PreparedCloud prepare_cloud(const PoseProblem& problem) {
   const std::size_t n = problem.points_in_target.size();

@@ -57,6 +57,13 @@ struct PreparedCloud {
   Cloud cloud;
 };
 
+/// The points that cannot be used, ascending, as prepare_cloud leaves them out. The lists must be
+/// of one length.
+std::vector<int> unusable_points(const PoseProblem& problem);
+
+/// A pose that is rigid but for rounding, to four decimals, made so; none for anything else.
+std::optional<Pose> rigid_pose(const std::optional<Pose>& pose);
+
 /// Leaves out the points that cannot be used: those with a number that is not finite or too large
 /// to be squared, with a pixel that the lens model cannot undo, or with a covariance that is not
 /// positive definite. An initial pose that is not finite or far from a rigid one is left out as

@@ -6,7 +6,9 @@
 //   1. Points that cannot be used are left out and listed (pose/consensus/cloud.h).
 //   2. Poses of three points, all or drawn ones, are screened and scored; the best are fitted
 //      (search.h). An initial pose is one more of them, and a mode of a nearly planar target brings
-//      its mirror pose.
+//      its mirror pose. Of six to twelve points of a solid target with noise that is known the
+//      small sets of orpe_weighed are swept first: where one is decisive, its pose is the only one
+//      that is fitted.
 //   3. A fit weighs every point by its probability of being an inlier, the law being a mixture of
 //      noise (known, by covariances, or found) and outliers (anywhere, or near): expectation
 //      maximisation with Gauss-Newton steps (mixture.h).
@@ -41,6 +43,7 @@
 #include "pose/reprojection.h"
 #include "pose/robust.h"
 #include "pose/solvers/solvers.h"
+#include "pose/starts.h"
 
 namespace sightline {
 namespace {
@@ -53,6 +56,13 @@ using consensus::Row;
 constexpr double kAmbiguousShare = 0.05;
 /// The chance, at most, that data without any pose are called significant.
 constexpr double kChanceSignificance = 0.01;
+
+/// Few points with noise that is known have the removals of orpe_weighed as a start.
+constexpr std::size_t kMostAtOnce = 12;
+constexpr std::size_t kFewestAtOnce = 6;
+constexpr std::size_t kFewestKeptAtOnce = 5;
+/// So probable must the set be that it removed; the doubtful points about it are tried both ways.
+constexpr double kProbablyRemoved = 0.5;
 
 /// The most probable answer and what competes with it.
 struct Verdict {
@@ -224,6 +234,61 @@ PoseEstimate solve_three_points(const Cloud& cloud) {
   return estimate;
 }
 
+/// The problem without the points that cannot be used and without an initial pose.
+PoseProblem usable_problem(const PoseProblem& problem, const Cloud& cloud) {
+  PoseProblem usable;
+  usable.camera = problem.camera;
+  usable.sigma_px = problem.sigma_px;
+  for (std::size_t i = 0; i < problem.pixels.size(); ++i) {
+    if (std::ranges::binary_search(cloud.ignored, static_cast<int>(i))) continue;
+    usable.points_in_target.push_back(problem.points_in_target[i]);
+    usable.pixels.push_back(problem.pixels[i]);
+    if (problem.covariances_px2.empty()) continue;
+    usable.covariances_px2.push_back(problem.covariances_px2[i]);
+  }
+  return usable;
+}
+
+/// The start that a sweep over small sets of removals gives in some microseconds, where it is
+/// decisive: what it keeps looks like noise, and no other set or pose is nearly as probable.
+std::optional<Pose> decisive_start(const PoseProblem& problem, const Cloud& cloud) {
+  const std::size_t n = cloud.size();
+  if (n < kFewestAtOnce || n > kMostAtOnce) return std::nullopt;
+  if (!cloud.is_sigma_known()) return std::nullopt;
+  if (!is_clearly_solid(cloud.points_in_centred)) return std::nullopt;
+  SolverOptions options;  // no number in pixels: normalised coordinates give the same answer
+  options.outliers.scale_px = std::sqrt(consensus::outlier_law(cloud).scale2) * cloud.image_unit_px;
+  const bool is_whole = cloud.ignored.empty() && !problem.initial_cam_from_target;
+  const PoseEstimate swept =
+      solve_orpe_weighed(is_whole ? problem : usable_problem(problem, cloud), options);
+  if (swept.status != PoseStatus::kOk || n - swept.removed.size() < kFewestKeptAtOnce) {
+    return std::nullopt;
+  }
+  const Diagnosis& said = *swept.diagnosis;
+  const bool is_doubtful = said.is_ambiguous.value_or(true) || said.is_test_failed.value_or(true) ||
+                           said.removed_probability.value_or(0) < kProbablyRemoved;
+  if (is_doubtful) return std::nullopt;
+  return consensus::to_cloud(*said.most_probable_cam_from_target, cloud);
+}
+
+/// The mode at that start, in place of a search.
+std::optional<consensus::Found> found_at_once(const PoseProblem& problem, const Cloud& cloud) {
+  const std::optional<Pose> start = decisive_start(problem, cloud);
+  if (!start) return std::nullopt;
+  consensus::Mode mode;
+  mode.cam_from_centred = *start;
+  mode.law = consensus::outlier_law(cloud);
+  if (!consensus::fit_mixture(cloud, cloud.sigma, {30, 1e-7}, mode)) return std::nullopt;
+  if (mode.inliers < kFewestKeptAtOnce - 0.5) return std::nullopt;
+  mode.is_decisive = true;
+  consensus::Found found;
+  const int n = static_cast<int>(cloud.size());
+  found.triples = n * (n - 1) * (n - 2) / 6;  // that it stands for
+  found.fits = 1;
+  found.modes.add(std::move(mode));
+  return found;
+}
+
 }  // namespace
 
 PoseEstimate solve_consensus(const PoseProblem& problem, const SolverOptions& options) {
@@ -234,7 +299,8 @@ PoseEstimate solve_consensus(const PoseProblem& problem, const SolverOptions& op
   if (prepared.status != PoseStatus::kOk) return failure;
   if (cloud.size() == 3) return solve_three_points(cloud);
 
-  const consensus::Found found = consensus::search(cloud);
+  const std::optional<consensus::Found> at_once = found_at_once(problem, cloud);
+  const consensus::Found found = at_once ? *at_once : consensus::search(cloud);
   std::optional<Verdict> verdict = judge(cloud, found.modes);
   failure.status = PoseStatus::kDegenerate;
   if (!verdict) return failure;

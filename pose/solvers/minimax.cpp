@@ -37,7 +37,7 @@ PoseEstimate solve_minimax(const PoseProblem& problem, const SolverOptions& opti
   estimate.status = fit.status;
   estimate.iterations = fit.iterations;
   if (estimate.status != PoseStatus::kOk) return estimate;
-  return with_pose(std::move(estimate), points, fit.cam_from_centred);
+  return with_minimax_pose(std::move(estimate), points, fit.cam_from_centred);
 }
 
 }  // namespace sightline

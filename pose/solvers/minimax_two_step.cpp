@@ -92,7 +92,7 @@ PoseEstimate solve_minimax_two_step(const PoseProblem& problem, const SolverOpti
   }
   if (!best) return estimate;
   estimate.status = PoseStatus::kOk;
-  return with_pose(std::move(estimate), points, best->cam_from_centred);
+  return with_minimax_pose(std::move(estimate), points, best->cam_from_centred);
 }
 
 }  // namespace sightline

@@ -204,7 +204,7 @@ PoseEstimate solve_orpe(const PoseProblem& problem, const SolverOptions& options
 
   const FitPoints points = {c, kept, {}};
   if (options.orpe.final == OrpeOptions::Final::kMinimax) {
-    return with_pose(std::move(estimate), points, current.cam_from_centred);
+    return with_minimax_pose(std::move(estimate), points, current.cam_from_centred);
   }
   return with_least_squares(std::move(estimate), points, current.cam_from_centred, options.lspe);
 }

@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 //
 // Random sample consensus over three-point poses:
-//   1. Every triple of points, or kMaxTriples drawn ones where there are more, gives up to four
-//      poses (pose/p3p.h).
+//   1. Every triple of up to kMostEnumerated points, or drawn ones where there are more, gives up
+//      to four poses (pose/p3p.h). Triples are drawn until one that is of inliers alone, and leads
+//      to the consensus (every second one is said to), would have been met with a probability of
+//      0.999, were the share of inliers that of the best consensus so far; at most kMostDraws.
 //   2. A pose costs sum_i min(r_i^2, t^2); its consensus is the points with r_i <= t.
 //   3. The kRefined cheapest are refined: least squares on the consensus, consensus again, until it
-//      repeats itself.
+//      repeats itself. Where triples are drawn every record is refined at once, which makes the
+//      consensus that says how many more are drawn.
 //   4. The answer is least squares on the consensus of the best.
 //
 // Fischler and Bolles, "Random sample consensus", Communications of the ACM 24(6), 1981; the cost
@@ -24,9 +27,11 @@
 // freedom, m the points that it comes from, and t^2 is then the quantile of 2 F_{2, nu} in the
 // place of chi2_2, in closed form nu (p^(-2 / nu) - 1) sigma^2.
 //
-// Deviations: for so few points no triple is left to chance, and there is no early stop. Drawn
-// triples come from a stream with a fixed seed over an order of the points that does not depend on
-// how they are given (canonical_order).
+// That only works for a share of outliers below a half; of known noise any share will do.
+//
+// Deviations: of few points no triple is left to chance. Drawn triples come from a stream with a
+// fixed seed over an order of the points that does not depend on how they are given
+// (canonical_order).
 
 #include <algorithm>
 #include <array>
@@ -44,7 +49,11 @@
 namespace sightline {
 namespace {
 
-constexpr std::size_t kMaxTriples = 1000;
+constexpr std::size_t kMostEnumerated = 18;  // 816 triples
+constexpr std::size_t kMostDraws = 50000;
+constexpr double kFewestDraws = 50;
+constexpr double kMissed = 1e-3;
+constexpr double kLeads = 0.5;
 constexpr std::size_t kRefined = 8;
 constexpr int kMaxRounds = 20;
 
@@ -131,28 +140,6 @@ class Stream {
 
 using Triple = std::array<std::size_t, 3>;
 
-std::vector<Triple> triples_of(const std::vector<std::size_t>& order) {
-  const std::size_t n = order.size();
-  std::vector<Triple> triples;
-  const double count =
-      static_cast<double>(n) * static_cast<double>(n - 1) * static_cast<double>(n - 2) / 6;
-  if (count <= static_cast<double>(kMaxTriples)) {
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t j = i + 1; j < n; ++j) {
-        for (std::size_t k = j + 1; k < n; ++k) triples.push_back({order[i], order[j], order[k]});
-      }
-    }
-    return triples;
-  }
-  Stream stream;
-  while (triples.size() < kMaxTriples) {
-    const Triple t = {stream.below(n), stream.below(n), stream.below(n)};
-    if (t[0] == t[1] || t[0] == t[2] || t[1] == t[2]) continue;
-    triples.push_back({order[t[0]], order[t[1]], order[t[2]]});
-  }
-  return triples;
-}
-
 P3pPoses poses_of(const Correspondences& c, const Triple& triple) {
   std::array<Eigen::Vector3d, 3> points, rays;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -162,25 +149,83 @@ P3pPoses poses_of(const Correspondences& c, const Triple& triple) {
   return p3p(points, rays);
 }
 
-/// Steps 1 and 2: the kRefined cheapest poses, cheapest first.
-std::vector<Candidate> cheapest_poses(const WhitenedCorrespondences& c,
-                                      const std::optional<Pose>& initial, const Rule& rule) {
-  std::vector<Candidate> candidates;
-  const auto add = [&](const Pose& pose) {
-    const double cost = cost_of(squared_residuals(c, pose), rule);
-    if (std::isfinite(cost)) candidates.push_back({pose, cost});
-  };
-  if (initial) add(to_centred(*initial, c.points));
-  for (const Triple& triple : triples_of(canonical_order(c.points))) {
-    const P3pPoses poses = poses_of(c.points, triple);
-    for (const Pose& pose : poses.all()) add(pose);
+/// Steps 1 and 2: the kRefined cheapest poses.
+class Sampling {
+ public:
+  Sampling(const WhitenedCorrespondences& c, const Rule& rule, const LspeOptions& options)
+      : c_(c), rule_(rule), options_(options), order_(canonical_order(c.points)) {}
+
+  /// Cheapest first.
+  std::vector<Candidate> run(const std::optional<Pose>& initial) {
+    if (initial) consider(to_centred(*initial, c_.points));
+    c_.size() <= kMostEnumerated ? enumerate() : draw();
+    const auto end =
+        candidates_.begin() + static_cast<std::ptrdiff_t>(std::min(kRefined, candidates_.size()));
+    std::ranges::partial_sort(candidates_, end, {}, &Candidate::cost);
+    candidates_.erase(end, candidates_.end());
+    return std::move(candidates_);
   }
-  const auto end =
-      candidates.begin() + static_cast<std::ptrdiff_t>(std::min(kRefined, candidates.size()));
-  std::ranges::partial_sort(candidates, end, {}, &Candidate::cost);
-  candidates.erase(end, candidates.end());
-  return candidates;
-}
+
+ private:
+  void enumerate() {
+    const std::size_t n = order_.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = i + 1; j < n; ++j) {
+        for (std::size_t k = j + 1; k < n; ++k) consider({order_[i], order_[j], order_[k]});
+      }
+    }
+  }
+
+  void draw() {
+    const std::size_t n = order_.size();
+    Stream stream;
+    double record = std::numeric_limits<double>::infinity();
+    double needed = kMostDraws;
+    for (std::size_t draws = 0; draws < kMostDraws && static_cast<double>(draws) < needed;) {
+      const Triple t = {stream.below(n), stream.below(n), stream.below(n)};
+      if (t[0] == t[1] || t[0] == t[2] || t[1] == t[2]) continue;
+      ++draws;
+      consider({order_[t[0]], order_[t[1]], order_[t[2]]});
+      keep_cheapest();
+      if (candidates_.empty() || !(candidates_.front().cost < record)) continue;
+      record = candidates_.front().cost;
+      const Refined refined = refine(c_, candidates_.front().cam_from_centred, rule_, options_);
+      if (!(refined.candidate.cost < record)) continue;
+      record = refined.candidate.cost;
+      candidates_.insert(candidates_.begin(), refined.candidate);
+      needed = std::max(draws_needed(refined.weights), kFewestDraws);
+    }
+  }
+
+  /// In order, as many as are refined at the end.
+  void keep_cheapest() {
+    std::ranges::stable_sort(candidates_, {}, &Candidate::cost);
+    if (candidates_.size() > kRefined) candidates_.resize(kRefined);
+  }
+
+  static double draws_needed(const std::vector<double>& weights) {
+    const double n = static_cast<double>(weights.size());
+    const double m = std::accumulate(weights.begin(), weights.end(), 0.0);
+    const double chance = kLeads * m * (m - 1) * (m - 2) / (n * (n - 1) * (n - 2));
+    return std::log(kMissed) / std::log1p(-std::max(chance, 1e-12));
+  }
+
+  void consider(const Triple& triple) {
+    const P3pPoses poses = poses_of(c_.points, triple);
+    for (const Pose& pose : poses.all()) consider(pose);
+  }
+
+  void consider(const Pose& pose) {
+    const double cost = cost_of(squared_residuals(c_, pose), rule_);
+    if (std::isfinite(cost)) candidates_.push_back({pose, cost});
+  }
+
+  const WhitenedCorrespondences& c_;
+  const Rule rule_;
+  const LspeOptions& options_;
+  const std::vector<std::size_t> order_;
+  std::vector<Candidate> candidates_;
+};
 
 struct Search {
   Candidate best;  ///< of infinite cost when there is none
@@ -190,7 +235,7 @@ struct Search {
 Search best_pose(const WhitenedCorrespondences& c, const std::optional<Pose>& initial,
                  const Rule& rule, const LspeOptions& options) {
   Search search;
-  for (const Candidate& candidate : cheapest_poses(c, initial, rule)) {
+  for (const Candidate& candidate : Sampling(c, rule, options).run(initial)) {
     const Refined refined = refine(c, candidate.cam_from_centred, rule, options);
     search.iterations += refined.solution.iterations;
     if (refined.candidate.cost < search.best.cost) search.best = refined.candidate;

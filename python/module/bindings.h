@@ -15,8 +15,9 @@ void bind_pose(pybind11::module_& module);
 void bind_study(pybind11::module_& module);
 void bind_frames(pybind11::module_& module);
 
-/// An estimate's status, pose, removed, own covariance, unit covariance, diagnosis and iterations;
-/// None for what it does not have.
+/// An estimate's status, pose, removed, own covariance, unit covariance, diagnosis, iterations,
+/// ignored, rms of the residuals, second pose, noise and probabilities of the points; None for what
+/// it does not have.
 pybind11::tuple tuple_of(const PoseEstimate& estimate);
 
 }  // namespace sightline

@@ -13,6 +13,8 @@
 
 #include "eval/study/key_tables.h"
 #include "pose/absolute_orientation.h"
+#include "pose/consensus/cloud.h"
+#include "pose/entry/all_poses.h"
 #include "pose/solver.h"
 #include "python/module/arrays.h"
 #include "python/module/bindings.h"
@@ -59,13 +61,27 @@ SolverOptions options_from(const std::vector<std::string>& settings) {
 
 std::optional<Pose> initial_from(const std::optional<Doubles>& matrix) {
   if (!matrix) return std::nullopt;
-  const Pose pose = pose_from(*matrix);
-  if (!is_valid(pose)) {
+  // Rounded to four decimals it is one still.
+  const std::optional<Pose> pose = consensus::rigid_pose(pose_from(*matrix));
+  if (!pose) {
     throw InputError(
         "solve: initial is no rigid transform; its rotation must be orthonormal with "
         "determinant +1, and all numbers finite");
   }
-  return pose;
+  return is_valid(pose_from(*matrix)) ? pose_from(*matrix) : pose;
+}
+
+PoseProblem problem_from(const Doubles& points, const Doubles& pixels, const py::tuple& camera,
+                         double sigma_px, const std::optional<Doubles>& covariances,
+                         const std::optional<Doubles>& initial) {
+  PoseProblem problem;
+  problem.camera = camera_from(camera);
+  problem.points_in_target = points_from(points);
+  problem.pixels = pixels_from(pixels);
+  if (covariances) problem.covariances_px2 = covariances_from(*covariances);
+  problem.sigma_px = sigma_px;
+  problem.initial_cam_from_target = initial_from(initial);
+  return problem;
 }
 
 py::tuple solve_problem(const Doubles& points, const Doubles& pixels, const py::tuple& camera,
@@ -79,13 +95,7 @@ py::tuple solve_problem(const Doubles& points, const Doubles& pixels, const py::
     throw InputError(fmt::format("solve: solver '{}' needs true_inliers", solver));
   }
   const SolverOptions options = options_from(settings);
-  PoseProblem problem;
-  problem.camera = camera_from(camera);
-  problem.points_in_target = points_from(points);
-  problem.pixels = pixels_from(pixels);
-  if (covariances) problem.covariances_px2 = covariances_from(*covariances);
-  problem.sigma_px = sigma_px;
-  problem.initial_cam_from_target = initial_from(initial);
+  PoseProblem problem = problem_from(points, pixels, camera, sigma_px, covariances, initial);
   if (true_inliers) problem.true_inliers = *true_inliers;
   PoseEstimate estimate;
   {
@@ -93,6 +103,23 @@ py::tuple solve_problem(const Doubles& points, const Doubles& pixels, const py::
     estimate = chosen.solve(problem, options);
   }
   return tuple_of(estimate);
+}
+
+py::tuple solve_all_poses(const Doubles& points, const Doubles& pixels, const py::tuple& camera,
+                          double sigma_px, const std::optional<Doubles>& covariances,
+                          const std::optional<Doubles>& initial, const std::vector<int>& left_out) {
+  const PoseProblem problem = problem_from(points, pixels, camera, sigma_px, covariances, initial);
+  PoseMinima minima;
+  {
+    const LongCall call;
+    minima = solve_all(problem, left_out);
+  }
+  py::list poses;
+  for (const PoseMinimum& minimum : minima.minima) {
+    poses.append(py::make_tuple(matrix_of(minimum.cam_from_target), minimum.cost,
+                                array_of(minimum.unit_covariance)));
+  }
+  return py::make_tuple(to_string(minima.status), poses, minima.ignored);
 }
 
 py::tuple align_points(const Doubles& a, const Doubles& b, const std::string& method,
@@ -124,7 +151,8 @@ py::tuple diagnosis_tuple(const Diagnosis& diagnosis) {
     probable = matrix_of(*diagnosis.most_probable_cam_from_target);
   }
   return py::make_tuple(diagnosis.is_ambiguous, diagnosis.removed_probability,
-                        diagnosis.is_removal_limit_reached, diagnosis.is_test_failed, probable);
+                        diagnosis.is_removal_limit_reached, diagnosis.is_test_failed, probable,
+                        diagnosis.is_significant);
 }
 
 }  // namespace
@@ -132,15 +160,19 @@ py::tuple diagnosis_tuple(const Diagnosis& diagnosis) {
 py::tuple tuple_of(const PoseEstimate& estimate) {
   py::object covariance = py::none();
   py::object diagnosis = py::none();
+  py::object second = py::none();
+  if (estimate.second_cam_from_target) second = matrix_of(*estimate.second_cam_from_target);
   if (estimate.covariance) covariance = array_of(*estimate.covariance);
   if (estimate.diagnosis) diagnosis = diagnosis_tuple(*estimate.diagnosis);
   return py::make_tuple(to_string(estimate.status), matrix_of(estimate.cam_from_target),
                         estimate.removed, covariance, array_of(estimate.unit_covariance), diagnosis,
-                        estimate.iterations);
+                        estimate.iterations, estimate.ignored, estimate.residual_rms_px, second,
+                        estimate.noise_px, estimate.inlier_probabilities);
 }
 
 void bind_pose(py::module_& module) {
   module.def("solve", &solve_problem);
+  module.def("solve_all", &solve_all_poses);
   module.def("align", &align_points);
   module.def("project", &project_all);
 }

@@ -26,10 +26,12 @@ from sightline.pose import (
     Camera,
     Diagnosis,
     PoseEstimate,
+    PoseMinimum,
     align,
     extractors,
     methods,
     solve,
+    solve_all,
     solvers,
 )
 from sightline.results import Comparison, Report, Run, compare
@@ -39,9 +41,9 @@ __version__: str = _sightline.version
 
 __all__ = [
     "Alignment", "Body", "Camera", "Comparison", "Diagnosis", "ExtractorQuestion", "Frame",
-    "InputError", "Observations", "PoseEstimate", "Report", "Run", "Scene", "SolverQuestion",
-    "Study", "Target", "TrialName", "align", "compare", "extractors", "methods", "render", "solve",
-    "solvers", "studies", "target", "targets",
+    "InputError", "Observations", "PoseEstimate", "PoseMinimum", "Report", "Run", "Scene",
+    "SolverQuestion", "Study", "Target", "TrialName", "align", "compare", "extractors", "methods",
+    "render", "solve", "solve_all", "solvers", "studies", "target", "targets",
 ]
 
 

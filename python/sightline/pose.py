@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, Mapping, Optional
+from typing import Any, Mapping, Optional, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -87,13 +87,15 @@ class Diagnosis:
     is_test_failed: Optional[bool] = None  #: what is kept does not look like noise
     #: least squares without `removed`, 4 x 4, of a solver whose pose is a mean over several sets
     most_probable_cam_from_target: Optional[np.ndarray] = None
+    is_significant: Optional[bool] = None  #: more points agree than chance explains
 
 
 @dataclasses.dataclass(frozen=True)
 class PoseEstimate:
     """What a solver answers. Of a failed one only the status means anything."""
 
-    status: str  #: "ok", "too_few_points", "degenerate", "behind_camera" or "diverged"
+    #: "ok", "too_few_points", "too_many_points", "degenerate", "behind_camera" or "diverged"
+    status: str
     cam_from_target: Optional[np.ndarray] = None  #: 4 x 4, x_in_cam = cam_from_target * x_in_target
     removed: tuple[int, ...] = ()  #: places of the points judged outliers, ascending
     #: 6 x 6, of (w, dt) with cam_from_target = (Exp(w) R, t + dt), radians and metres: the solver's
@@ -102,6 +104,16 @@ class PoseEstimate:
     unit_covariance: Optional[np.ndarray] = None  #: the same for noise of one pixel
     diagnosis: Optional[Diagnosis] = None
     iterations: int = 0
+    #: places of the points that could not be used, ascending; also of a failed estimate
+    ignored: tuple[int, ...] = ()
+    #: of the kept points, px in u and in v; with covariances in their unit
+    residual_rms: Optional[float] = None
+    #: 4 x 4: another pose that explains the points nearly as well, where it is ambiguous
+    second_cam_from_target: Optional[np.ndarray] = None
+    #: standard deviation of the noise, px, as the solver was told or found it
+    noise: Optional[float] = None
+    #: of each point, 0 to 1; only from consensus
+    inlier_probabilities: Optional[np.ndarray] = None
 
     @property
     def is_ok(self) -> bool:
@@ -119,14 +131,16 @@ class PoseEstimate:
 
 
 def _estimate_from(answer: tuple, sigma: float) -> PoseEstimate:
-    status, pose, removed, covariance, unit, diagnosis, iterations = answer
+    (status, pose, removed, covariance, unit, diagnosis, iterations, ignored, rms, second, noise,
+     probabilities) = answer
     if status != "ok":
-        return PoseEstimate(status, iterations=iterations)
+        return PoseEstimate(status, iterations=iterations, ignored=tuple(ignored))
     if covariance is None and sigma > 0 and unit.any():
         covariance = sigma**2 * unit
     return PoseEstimate(
         status, pose, tuple(removed), covariance, unit,
-        None if diagnosis is None else Diagnosis(*diagnosis), iterations)
+        None if diagnosis is None else Diagnosis(*diagnosis), iterations, tuple(ignored), rms,
+        second, noise, None if probabilities is None else np.array(probabilities))
 
 
 def solve(
@@ -152,27 +166,14 @@ def solve(
     options       keys of a study's table [solver], such as {"rho": 10, "max_removed": 2}
     true_inliers  n flags, for the solver "oracle" alone, which exists to judge others by
 
-    What can be expected to fail (too few points, collinear ones) is a status of the answer.
-    Raises InputError for what cannot be used: a shape, an unknown solver or option, a NaN.
+    Points that cannot be used (a number that is not finite, a pixel that the lens model cannot
+    undo, a covariance that is not positive definite) are left out and listed in `ignored`. What can
+    be expected to fail (too few points, collinear ones) is a status of the answer. Raises InputError
+    for what cannot be used at all: a shape, an unknown solver or option.
     """
-    of_points = _checks.array("solve: points", points, (None, 3))
+    of_points, of_pixels, noise, covariance, initial = _problem(
+        "solve", points, pixels, camera, sigma, covariance, initial)
     count = len(of_points)
-    of_pixels = _checks.array("solve: pixels", pixels, (None, 2))
-    if len(of_pixels) != count:
-        raise InputError(f"solve: pixels has {len(of_pixels)} rows, points has {count}")
-    if not isinstance(camera, Camera):
-        raise InputError(f"solve: camera is of type {type(camera).__name__}, must be a Camera")
-    noise = 0.0 if sigma is None else float(_checks.array("solve: sigma", sigma, ()))
-    if sigma is not None and noise <= 0:
-        raise InputError(f"solve: sigma is {noise}, must be positive, or None")
-    if covariance is not None:
-        covariance = np.asarray(covariance)
-        if covariance.shape == (2, 2):
-            covariance = np.broadcast_to(covariance, (count, 2, 2))
-        covariance = _checks.array("solve: covariance", covariance, (count, 2, 2))
-        _require_covariances("solve: covariance", covariance)
-    if initial is not None:
-        initial = _checks.array("solve: initial", initial, (4, 4))
     if true_inliers is not None:
         true_inliers = _checks.array("solve: true_inliers", true_inliers, (count,)).astype(bool)
         true_inliers = true_inliers.tolist()
@@ -182,15 +183,72 @@ def solve(
     return _estimate_from(answer, noise)
 
 
-def _require_covariances(where: str, matrices: np.ndarray) -> None:
-    """Symmetric and positive definite, each of them."""
-    off = matrices[:, 0, 1]
-    determinant = matrices[:, 0, 0] * matrices[:, 1, 1] - off * matrices[:, 1, 0]
-    good = (np.abs(off - matrices[:, 1, 0]) <= 1e-9 * (1 + np.abs(off))) & (determinant > 0)
-    good &= matrices[:, 0, 0] > 0
-    if not good.all():
-        raise InputError(f"{where}: number {int(np.argmin(good))} is not symmetric and positive "
-                         "definite")
+def _require_covariance(where: str, matrix: np.ndarray) -> None:
+    """Symmetric and positive definite: what is said of every point must be right."""
+    off = matrix[0, 1]
+    is_symmetric = abs(off - matrix[1, 0]) <= 1e-9 * (1 + abs(off))
+    is_positive = matrix[0, 0] > 0 and matrix[0, 0] * matrix[1, 1] > off * matrix[1, 0]
+    if not (is_symmetric and is_positive):
+        raise InputError(f"{where}: is not symmetric and positive definite")
+
+
+def _problem(where: str, points: Any, pixels: Any, camera: Any, sigma: Any, covariance: Any,
+             initial: Any) -> tuple:
+    """What a question about a pose is given, as arrays of the right shapes."""
+    of_points = _checks.array(f"{where}: points", points, (None, 3), finite=False)
+    count = len(of_points)
+    of_pixels = _checks.array(f"{where}: pixels", pixels, (None, 2), finite=False)
+    if len(of_pixels) != count:
+        raise InputError(f"{where}: pixels has {len(of_pixels)} rows, points has {count}")
+    if not isinstance(camera, Camera):
+        raise InputError(f"{where}: camera is of type {type(camera).__name__}, must be a Camera")
+    noise = 0.0 if sigma is None else float(_checks.array(f"{where}: sigma", sigma, ()))
+    if sigma is not None and noise <= 0:
+        raise InputError(f"{where}: sigma is {noise}, must be positive, or None")
+    if covariance is not None:
+        covariance = np.asarray(covariance)
+        if covariance.shape == (2, 2):
+            _require_covariance(f"{where}: covariance", _checks.array(
+                f"{where}: covariance", covariance, (2, 2)))
+            covariance = np.broadcast_to(covariance, (count, 2, 2))
+        covariance = _checks.array(f"{where}: covariance", covariance, (count, 2, 2), finite=False)
+    if initial is not None:
+        initial = _checks.array(f"{where}: initial", initial, (4, 4))
+    return of_points, of_pixels, noise, covariance, initial
+
+
+@dataclasses.dataclass(frozen=True)
+class PoseMinimum:
+    """A pose at which the sum of squared reprojection errors is least among those near it."""
+
+    cam_from_target: np.ndarray  #: 4 x 4
+    cost: float  #: the sum, px^2; with covariances that of whitened errors
+    unit_covariance: np.ndarray  #: 6 x 6, as of PoseEstimate
+
+
+def solve_all(
+    points: npt.ArrayLike,
+    pixels: npt.ArrayLike,
+    camera: Camera,
+    *,
+    sigma: Optional[float] = None,
+    covariance: Optional[npt.ArrayLike] = None,
+    initial: Optional[npt.ArrayLike] = None,
+    left_out: Sequence[int] = (),
+) -> list[PoseMinimum]:
+    """Every pose that explains the points: the minima of least squares, the best first.
+
+    A plane has two, three points have up to four. Arguments as of solve(); `left_out` are places of
+    points that take no part, such as those that a solver removed. Points that cannot be used take
+    none either. Empty where there is no pose: fewer than three points, or collinear ones.
+    """
+    of_points, of_pixels, noise, covariance, initial = _problem(
+        "solve_all", points, pixels, camera, sigma, covariance, initial)
+    most = len(of_points) - 1
+    places = sorted({_checks.whole("solve_all: left_out", i, 0, most) for i in left_out})
+    _, minima, _ = _sightline.solve_all(of_points, of_pixels, camera._numbers(), noise, covariance,
+                                        initial, places)
+    return [PoseMinimum(*minimum) for minimum in minima]
 
 
 @dataclasses.dataclass(frozen=True)

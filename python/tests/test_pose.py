@@ -74,7 +74,43 @@ def test_covariances_are_of_the_noise_that_is_told():
     assert np.array_equal(weighed.cam_from_target, again.cam_from_target)
     assert weighed.diagnosis.is_ambiguous is False
     assert 0 <= weighed.diagnosis.removed_probability <= 1
-    assert unknown.diagnosis is None
+    assert unknown.diagnosis.removed_probability is None
+
+
+@pytest.mark.parametrize("solver", [name for name in sl.solvers() if name != "oracle"])
+def test_points_that_cannot_be_used_are_left_out(solver):
+    pixels, covariances = seen(), np.tile(np.eye(2), (8, 1, 1))
+    pixels[2] = np.nan
+    covariances[5] = 0
+    estimate = sl.solve(CUBE, pixels, CAMERA, solver, covariance=covariances)
+    assert estimate.is_ok and estimate.ignored == (2, 5) and estimate.removed == ()
+    assert np.abs(estimate.cam_from_target - TRUTH).max() < EXACT
+    assert estimate.residual_rms < 1e-6
+    none = sl.solve(CUBE, np.full((8, 2), np.nan), CAMERA, solver)
+    assert none.status == "degenerate" and none.ignored == tuple(range(8))
+    assert sl.solve(CUBE, seen(), CAMERA, solver).ignored == ()
+
+
+def test_an_initial_pose_may_be_rounded():
+    rounded = np.round(TRUTH, 4)
+    assert np.abs(sl.solve(CUBE, seen(), CAMERA, "lspe", initial=rounded).cam_from_target
+                  - TRUTH).max() < EXACT
+
+
+def test_all_poses_of_three_points_and_of_a_plane():
+    three = sl.solve_all(CUBE[:3], seen()[:3], CAMERA)
+    assert 1 < len(three) <= 4
+    assert min(np.abs(pose.cam_from_target - TRUTH).max() for pose in three) < EXACT
+    assert max(pose.cost for pose in three) < 1e-12
+    solid = sl.solve_all(CUBE, seen(), CAMERA, sigma=1.0)
+    assert np.abs(solid[0].cam_from_target - TRUTH).max() < EXACT
+    assert all(a.cost <= b.cost for a, b in zip(solid, solid[1:]))
+    plane = CUBE * [1, 1, 0]
+    pixels = CAMERA.project(plane @ TRUTH[:3, :3].T + TRUTH[:3, 3])
+    assert len(sl.solve_all(plane[::2], pixels[::2], CAMERA)) >= 2
+    assert sl.solve_all(CUBE, seen(), CAMERA, left_out=range(6)) == []
+    with pytest.raises(sl.InputError, match="left_out: is 8, must be a whole number"):
+        sl.solve_all(CUBE, seen(), CAMERA, left_out=[8])
 
 
 def test_expected_failures_are_statuses():
@@ -94,11 +130,10 @@ def test_expected_failures_are_statuses():
     (dict(options={"start": "free"}), "solver.start is not a known key"),
     (dict(points=CUBE[:, :2]), "solve: points: has shape (8, 2), must be (n, 3)"),
     (dict(pixels=np.zeros((7, 2))), "solve: pixels has 7 rows, points has 8"),
-    (dict(pixels=np.full((8, 2), np.nan)), "solve: pixels: holds a number that is not finite"),
     (dict(points="abc"), "solve: points: is no array of numbers"),
     (dict(camera=None), "solve: camera is of type NoneType, must be a Camera"),
     (dict(sigma=0), "solve: sigma is 0.0, must be positive, or None"),
-    (dict(covariance=-np.eye(2)), "solve: covariance: number 0 is not symmetric and positive"),
+    (dict(covariance=-np.eye(2)), "solve: covariance: is not symmetric and positive definite"),
     (dict(initial=2 * np.eye(4)), "solve: initial is no rigid transform"),
     (dict(solver="oracle"), "solve: solver 'oracle' needs true_inliers"),
 ])

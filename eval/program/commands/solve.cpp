@@ -14,6 +14,7 @@
 #include "eval/solve/answers.h"
 #include "eval/solve/camera_file.h"
 #include "eval/solve/number_rows.h"
+#include "pose/entry/all_poses.h"
 #include "pose/robust_alignment.h"
 #include "pose/solver.h"
 #include "scenes/files/input_error.h"
@@ -28,6 +29,7 @@ struct SolveArguments {
   std::string camera;
   std::string solver = "consensus";
   double sigma_px = 0;
+  bool wants_all = false;
   bool is_json = false;
 };
 
@@ -59,7 +61,16 @@ int run_solve(const SolveArguments& arguments) {
                                  suggestion(arguments.solver, names)));
   }
   const PoseProblem problem = read_problem(arguments);
-  const PoseEstimate estimate = solver->solve(problem, SolverOptions{});
+  const PoseEstimate estimate = solver->solve(problem);
+  if (arguments.wants_all) {
+    // Three points have poses, though no solver says which of them is meant.
+    const bool is_ok = estimate.status == PoseStatus::kOk;
+    const std::vector<int> removed = is_ok ? estimate.removed : std::vector<int>{};
+    const PoseMinima minima = solve_all(problem, removed);
+    std::cout << (arguments.is_json ? json_of(problem, minima, removed)
+                                    : text_of(problem, minima, removed));
+    return minima.status == PoseStatus::kOk ? 0 : kNoAnswerExit;
+  }
   std::cout << (arguments.is_json ? json_of(problem, estimate) : text_of(problem, estimate));
   return estimate.status == PoseStatus::kOk ? 0 : kNoAnswerExit;
 }
@@ -112,6 +123,10 @@ void add_solve(CLI::App& app, int& exit_code) {
   sub->add_option("--sigma", arguments->sigma_px,
                   "Standard deviation of an inlier's noise in u and in v, px [it is found]")
       ->check(CLI::PositiveNumber);
+  sub->add_flag(
+      "--all", arguments->wants_all,
+      "Every pose that explains the points which the solver keeps, the best first: both of "
+      "a plane, and up to four of three points");
   sub->add_flag("--json", arguments->is_json, "For programs");
   sub->callback([arguments, &exit_code] { exit_code = run_solve(*arguments); });
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // `sightline solve` and `sightline align`, as a user runs them.
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -97,6 +98,51 @@ TEST_F(Solve, SaysItInWords) {
               AllOf(HasSubstr("with 95 % intervals"), HasSubstr("points removed        2 (0, 1)"),
                     HasSubstr("points unusable       1 (20)"), HasSubstr("18 of 21"),
                     Not(HasSubstr("warning"))));
+}
+
+TEST_F(Solve, GivesAllPosesWhereAsked) {
+  const std::string three =
+      folder_
+          .write("three.txt",
+                 [&] {
+                   std::string text;
+                   for (const Eigen::Vector3d& x :
+                        {Eigen::Vector3d(1, 0, 0), {0, 1, 0.5}, {-1, -0.5, 0}}) {
+                     const Eigen::Vector2d pixel =
+                         project(read_camera_file(camera_file_), truth_ * x).value();
+                     text +=
+                         fmt::format("{} {} {} {} {}\n", x.x(), x.y(), x.z(), pixel.x(), pixel.y());
+                   }
+                   return text;
+                 }())
+          .string();
+  EXPECT_EQ(solve(three).exit_code, 1) << "which of them is meant nobody can say";
+  const Outcome outcome = solve(three, "--all --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  const json answer = json::parse(outcome.output);
+  ASSERT_GE(answer["poses"].size(), 2u);
+  ASSERT_LE(answer["poses"].size(), 4u);
+  double nearest = 1;
+  for (const json& pose : answer["poses"]) {
+    EXPECT_LT(pose["residual_rms_px"].get<double>(), 1e-6);
+    const json& t = pose["cam_from_target"]["translation_m"];
+    const Eigen::Vector3d translation(t[0], t[1], t[2]);
+    nearest = std::min(nearest, (translation - truth_.translation).norm());
+  }
+  EXPECT_LT(nearest, 1e-6);
+  const Outcome words = solve(points_file(0.5), "--all");
+  EXPECT_THAT(words.output, AllOf(HasSubstr("cam_from_target, 1 of "),
+                                  HasSubstr("points removed        2 (0, 1)")));
+}
+
+TEST_F(Solve, SolversWithoutTimeForManyPointsSaySo) {
+  std::string rows;
+  for (int i = 0; i < 400; ++i)
+    rows += fmt::format("{} {} {} {} {}\n", i % 7, i % 11, i % 13, i, i % 17);
+  const std::string file = folder_.write("many.txt", rows).string();
+  const Outcome outcome = solve(file, "--solver orpe_tree");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_THAT(outcome.output, AllOf(HasSubstr("no pose: too_many_points"), HasSubstr("consensus")));
 }
 
 TEST_F(Solve, WarnsOfWhatHasNoPose) {

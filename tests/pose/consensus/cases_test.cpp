@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Problems that have broken solvers elsewhere: consensus gives what each is expected to give. Where
-// another solver is known to fail, the same problem is its negative twin.
+// Problems that have broken solvers elsewhere: every solver gives what each is expected to give, or
+// consensus and its like where that takes a robust one. Where a solver's own function is known to
+// fail, without what stands around it in pose/entry/, that is the negative twin.
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -46,44 +48,90 @@ Solved solved(const std::string& name, std::string_view solver = "consensus") {
   return s;
 }
 
-TEST(ConsensusCases, FarPointOfTheTargetIsRemoved) {
-  const Solved s = solved("01_one_far_3d_point");
-  ASSERT_EQ(s.estimate.status, PoseStatus::kOk);
-  EXPECT_THAT(s.estimate.removed, ElementsAre(0));
-  EXPECT_LT(largest_kept_error_px(s.problem, s.estimate), kExactPx);
+/// The solvers of the catalogue but for OpenCV's, whose samples of five points find nothing in
+/// some.
+std::vector<PoseSolver> our_solvers() {
+  std::vector<PoseSolver> ours(pose_solvers().begin(), pose_solvers().end());
+  std::erase_if(ours, [](const PoseSolver& s) { return s.name == "opencv_ransac"; });
+  return ours;
 }
 
-TEST(ConsensusCases, PixelThatCannotBeUsedIsIgnored) {
+/// The problem solved by one of them; the oracle is told the outliers.
+Solved solved_by(const PoseSolver& solver, const std::string& name, int outliers = 0) {
+  Solved s;
+  s.problem = read_case(name);
+  s.problem.true_inliers.assign(s.problem.pixels.size(), true);
+  for (int i = 0; i < outliers; ++i) s.problem.true_inliers[i] = false;
+  s.estimate = solver.solve(s.problem);
+  return s;
+}
+
+TEST(PoseCases, FarPointOfTheTargetIsRemovedByEverySolver) {
+  for (const PoseSolver& solver : our_solvers()) {
+    const Solved s = solved_by(solver, "01_one_far_3d_point", 1);
+    ASSERT_EQ(s.estimate.status, PoseStatus::kOk) << solver.name;
+    EXPECT_THAT(s.estimate.removed, ElementsAre(0)) << solver.name;
+    EXPECT_LT(largest_kept_error_px(s.problem, s.estimate), kExactPx) << solver.name;
+  }
+  const PoseProblem problem = read_case("01_one_far_3d_point");
+  EXPECT_NE(find_pose_solver("lspe")->core(problem, {}).status, PoseStatus::kOk);
+}
+
+TEST(PoseCases, PixelThatCannotBeUsedIsIgnoredByEverySolver) {
   for (const char* const name : {"02_nan_pixel", "03_pixel_beyond_lens_fold"}) {
+    for (const PoseSolver& solver : our_solvers()) {
+      const Solved s = solved_by(solver, name);
+      ASSERT_EQ(s.estimate.status, PoseStatus::kOk) << name << solver.name;
+      EXPECT_THAT(s.estimate.ignored, ElementsAre(0)) << name << solver.name;
+      EXPECT_THAT(s.estimate.removed, IsEmpty()) << name << solver.name;
+      EXPECT_LT(largest_kept_error_px(s.problem, s.estimate), kExactPx) << name << solver.name;
+    }
     const Solved s = solved(name);
-    ASSERT_EQ(s.estimate.status, PoseStatus::kOk) << name;
-    EXPECT_THAT(s.estimate.ignored, ElementsAre(0)) << name;
-    EXPECT_THAT(s.estimate.removed, IsEmpty()) << name;
-    EXPECT_LT(largest_kept_error_px(s.problem, s.estimate), kExactPx) << name;
     EXPECT_EQ(s.estimate.inlier_probabilities.value()[0], 0) << name;
-    EXPECT_NE(solved(name, "lspe").estimate.status, PoseStatus::kOk) << name;
+    EXPECT_NE(find_pose_solver("lspe")->core(s.problem, {}).status, PoseStatus::kOk) << name;
   }
 }
 
-TEST(ConsensusCases, InitialPoseDoesNoHarm) {
+TEST(PoseCases, InitialPoseDoesNoHarmToAnySolver) {
   for (const char* const name : {"04_initial_float32", "05_initial_identity",
                                  "06_square_initial_mirror", "08_pp_off_image"}) {
-    const Solved s = solved(name);
-    ASSERT_EQ(s.estimate.status, PoseStatus::kOk) << name;
-    EXPECT_THAT(s.estimate.removed, IsEmpty()) << name;
-    EXPECT_LT(largest_kept_error_px(s.problem, s.estimate), kExactPx) << name;
+    for (const PoseSolver& solver : our_solvers()) {
+      // From the mirror pose of the square gnc removes a point, and meets the other three.
+      if (solver.name == "gnc" && std::string_view(name).starts_with("06")) continue;
+      const Solved s = solved_by(solver, name);
+      ASSERT_EQ(s.estimate.status, PoseStatus::kOk) << name << solver.name;
+      EXPECT_THAT(s.estimate.removed, IsEmpty()) << name << solver.name;
+      EXPECT_LT(largest_kept_error_px(s.problem, s.estimate), kExactPx) << name << solver.name;
+    }
   }
   // A solver that stays where it is put.
-  const Solved stuck = solved("06_square_initial_mirror", "lspe");
-  EXPECT_GT(largest_kept_error_px(stuck.problem, stuck.estimate), 0.01);
+  const PoseProblem problem = read_case("06_square_initial_mirror");
+  const PoseEstimate stuck = find_pose_solver("lspe")->core(problem, {});
+  EXPECT_GT(largest_kept_error_px(problem, stuck), 0.01);
 }
 
-TEST(ConsensusCases, ThreeDifferentPointsDetermineNoPose) {
-  EXPECT_EQ(solved("07_three_distinct").estimate.status, PoseStatus::kDegenerate);
+TEST(PoseCases, ThreeDifferentPointsDetermineNoPose) {
+  for (const PoseSolver& solver : our_solvers()) {
+    EXPECT_EQ(solved_by(solver, "07_three_distinct").estimate.status, PoseStatus::kDegenerate)
+        << solver.name;
+  }
+}
+
+TEST(PoseCases, FrontalPlaneIsExactAndWholeForEverySolver) {
+  for (const char* const name : {"fronto_5c", "fronto_5s"}) {
+    for (const PoseSolver& solver : our_solvers()) {
+      const Solved s = solved_by(solver, name);
+      ASSERT_EQ(s.estimate.status, PoseStatus::kOk) << name << solver.name;
+      EXPECT_LT(largest_kept_error_px(s.problem, s.estimate), 1e-5) << name << solver.name;
+      // Of five points it keeps the four that it met, the fifth being a millionth of a pixel off.
+      if (solver.name == "ransac_p3p") continue;
+      EXPECT_THAT(s.estimate.removed, IsEmpty()) << name << solver.name;
+    }
+  }
 }
 
 /// Five of 13 points and 16 of 40 in a plane are outliers; the noise is 0.5 px.
-TEST(ConsensusCases, ManyOutliersAreRemoved) {
+TEST(PoseCases, ManyOutliersAreRemoved) {
   Pose truth;
   truth.rotation << 0.90239341, -0.24903648, -0.35166311, 0.13190856, 0.93655574, -0.32475144,
       0.41022703, 0.24666618, 0.87799180;
@@ -92,6 +140,12 @@ TEST(ConsensusCases, ManyOutliersAreRemoved) {
   constexpr double kToleranceRad = 0.01, kToleranceM = 0.03;
   for (const auto& [name, outliers] :
        {std::pair("09_13points_5outliers", 5), std::pair("10_planar_40_16outliers", 16)}) {
+    for (const std::string_view robust : {"orpe_consensus", "ransac_p3p", "oracle"}) {
+      const Solved other = solved_by(*find_pose_solver(robust), name, outliers);
+      ASSERT_EQ(other.estimate.status, PoseStatus::kOk) << name << robust;
+      EXPECT_EQ(other.estimate.removed.size(), static_cast<std::size_t>(outliers))
+          << name << robust;
+    }
     const Solved s = solved(name);
     ASSERT_EQ(s.estimate.status, PoseStatus::kOk) << name;
     std::vector<int> expected;
@@ -105,15 +159,6 @@ TEST(ConsensusCases, ManyOutliersAreRemoved) {
   }
   const Solved other = solved("09_13points_5outliers", "lspe");
   EXPECT_GT((other.estimate.cam_from_target.translation - truth.translation).norm(), kToleranceM);
-}
-
-TEST(ConsensusCases, FrontalPlaneIsExactAndWhole) {
-  for (const char* const name : {"fronto_5c", "fronto_5s"}) {
-    const Solved s = solved(name);
-    ASSERT_EQ(s.estimate.status, PoseStatus::kOk) << name;
-    EXPECT_THAT(s.estimate.removed, IsEmpty()) << name;
-    EXPECT_LT(largest_kept_error_px(s.problem, s.estimate), kExactPx) << name;
-  }
 }
 
 }  // namespace

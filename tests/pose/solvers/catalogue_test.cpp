@@ -45,11 +45,11 @@ TEST(Catalogue, OnlyTheOracleNeedsTheTruth) {
 TEST(PoseStatus, NamesDiffer) {
   std::set<std::string_view> names;
   for (const PoseStatus status :
-       {PoseStatus::kOk, PoseStatus::kTooFewPoints, PoseStatus::kDegenerate,
-        PoseStatus::kBehindCamera, PoseStatus::kDiverged}) {
+       {PoseStatus::kOk, PoseStatus::kTooFewPoints, PoseStatus::kTooManyPoints,
+        PoseStatus::kDegenerate, PoseStatus::kBehindCamera, PoseStatus::kDiverged}) {
     names.insert(to_string(status));
   }
-  EXPECT_EQ(names.size(), 5u);
+  EXPECT_EQ(names.size(), 6u);
 }
 
 }  // namespace

@@ -273,7 +273,7 @@ TEST(OrpeWeighed, EveryPointIsJudgedByItsOwnCovariance) {
   }
 }
 
-TEST(OrpeWeighed, CovariancesThatAreNoneAreDegenerate) {
+TEST(OrpeWeighed, PointOfACovarianceThatIsNoneIsLeftOut) {
   Draw draw(114);
   PoseProblem problem = cube_problem(1, draw).problem;
   problem.covariances_px2.assign(8, Eigen::Matrix2d::Identity());
@@ -281,7 +281,8 @@ TEST(OrpeWeighed, CovariancesThatAreNoneAreDegenerate) {
   for (const double bad : {0.0, -1.0, kNaN, kInfinity}) {
     PoseProblem worse = problem;
     worse.covariances_px2[2](0, 0) = bad;
-    EXPECT_EQ(weighed(worse).status, PoseStatus::kDegenerate) << bad;
+    EXPECT_EQ(find_pose_solver("orpe_weighed")->core(worse, {}).status, PoseStatus::kDegenerate);
+    EXPECT_EQ(weighed(worse).ignored, std::vector{2}) << bad;
   }
   problem.covariances_px2.pop_back();
   EXPECT_EQ(weighed(problem).status, PoseStatus::kTooFewPoints);
@@ -304,7 +305,9 @@ TEST(OrpeWeighed, SaysNothingOfATestThatNeedsTheNoise) {
   Synthetic s = draw_cube({.sigma_px = 1}, draw);
   EXPECT_TRUE(weighed(s.problem).diagnosis.value().is_test_failed);
   s.problem.sigma_px = 0;
-  EXPECT_FALSE(weighed(s.problem).diagnosis.value().is_test_failed);
+  SolverOptions unjudged;
+  unjudged.is_judged = false;
+  EXPECT_FALSE(weighed(s.problem, unjudged).diagnosis.value().is_test_failed);
 }
 
 TEST(OrpeWeighed, RemovesNoMoreThanAllowed) {

@@ -140,14 +140,8 @@ PoseProblem make(const Recipe& r) {
   return problem;
 }
 
-/// These leave out the one point that is not finite.
-bool leaves_out_the_unusable(const PoseSolver& solver) {
-  return solver.name == "consensus" || solver.name == "orpe_consensus";
-}
-
-bool is_surely_degenerate(const Recipe& r, const PoseSolver& solver) {
-  return r.shape == Shape::kCollinear || r.shape == Shape::kCoincident ||
-         (r.pixels == Pixels::kNotFinite && !leaves_out_the_unusable(solver));
+bool is_surely_degenerate(const Recipe& r) {
+  return r.shape == Shape::kCollinear || r.shape == Shape::kCoincident;
 }
 
 /// M-estimators use every point, and only report whose weight is small: that may be most of them.
@@ -164,7 +158,7 @@ void check_estimate(const Recipe& r, const PoseProblem& problem, const PoseSolve
   RC_ASSERT(std::ranges::is_sorted(e.removed));
   RC_ASSERT(std::ranges::all_of(e.removed, [&](int i) { return i >= 0 && i < r.points; }));
   if (e.status != PoseStatus::kOk) return;
-  RC_ASSERT(!is_surely_degenerate(r, solver));
+  RC_ASSERT(!is_surely_degenerate(r));
   RC_ASSERT(r.points >= (r.start == Start::kFree ? 4 : 3));
   RC_ASSERT(is_valid(e.cam_from_target));
   RC_ASSERT(only_weighs(solver) || r.points - static_cast<int>(e.removed.size()) >= 3);
