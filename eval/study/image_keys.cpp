@@ -99,8 +99,8 @@ ShownPictures pictures_of(const ImageStudy& study, const SceneLaw& law, const St
 
 // Who finds the features: guests by their name, one of the program's own for all kinds of features
 // that it can find, or for each kind the one that [extraction] names.
-void choose_extractor(const TomlTable& table, const std::string& name, const ImageStudy& study,
-                      const Study& common, GuestExtractors& guests, ImageSetup& setup) {
+void choose_extractor(const std::string& name, const ImageStudy& study, const Study& common,
+                      GuestExtractors& guests, ImageSetup& setup) {
   if (const FeatureExtractor* const own = find_feature_extractor(name)) {
     setup.extractors.choose(*own);
   } else if (name != kExtractorsByKind) {
@@ -241,7 +241,7 @@ void read_setups(const TomlTable& table, ImageStudy& study, Study& common,
       study.setups.push_back(read_swept_setup(table, settings, study));
     }
     ImageSetup& setup = study.setups.back();
-    choose_extractor(table, names[i % names.size()], study, common, guests, setup);
+    choose_extractor(names[i % names.size()], study, common, guests, setup);
     if (!setup.guest) require_useful_extractors(table, study, setup.extractors);
     add_cells(table, conditions[i], study, common.conditions);
   }
@@ -290,7 +290,8 @@ ImageStudy read_image_study(const TomlTable& table, Use use, Study& common, cons
   if (use == Use::kTrials || table.has("solvers") || table.table("external").has("solver")) {
     const SightedSet* const set = study.sighted ? study.sighted->set.get() : nullptr;
     study.solving = read_solving(
-        table, "prior", solvers_beside(table, common.seed, read_guest_solvers(table, set, guests.solvers)));
+        table, "prior",
+        solvers_beside(table, common.seed, read_guest_solvers(table, set, guests.solvers)));
   }
   GuestExtractors extractors(table, guests.extractors);
   read_setups(table, study, common, extractors);

@@ -234,11 +234,11 @@ std::string beside_oracle(const Study& study, const Summary& summary) {
     means.push_back(fmt::format("{} {}, {}", solver, number_text(theta / trials, 2),
                                 number_text(t / trials, 3)));
   }
-  return "\n" +
-         wrapped(fmt::format(
-             "The oracle has no pose in {} trials: fewer than three points are right. In the "
-             "other {} the mean theta_error / ° and T_error / % are: {}.",
-             failures, trials, fmt::join(means, "; ")));
+  return fmt::format(
+      "\n{}", wrapped(fmt::format(
+                  "The oracle has no pose in {} trials: fewer than three points are right. In the "
+                  "other {} the mean theta_error / ° and T_error / % are: {}.",
+                  failures, trials, fmt::join(means, "; "))));
 }
 
 // Why there are no intervals of theta_error's means.
@@ -249,10 +249,10 @@ std::string lock_line(const Summary& summary) {
         return cell.trials > 1 && std::isfinite(theta.mean) && std::isnan(theta.mean_ci95[0]);
       });
   if (!is_near) return "";
-  return "\n" +
-         wrapped(
-             "theta_error's means have no interval where attitudes come near gimbal lock (yaw "
-             "beyond 60 degrees): none would hold. Judge by the geodesic angle.");
+  return fmt::format(
+      "\n{}",
+      wrapped("theta_error's means have no interval where attitudes come near gimbal lock (yaw "
+              "beyond 60 degrees): none would hold. Judge by the geodesic angle."));
 }
 
 std::string failure_lines(const Study& study, const Summary& summary) {

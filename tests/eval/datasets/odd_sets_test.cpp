@@ -254,8 +254,8 @@ TEST_F(OddSet, IsNotDecodedWhereAPictureIsTooLarge) {
   std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x75\x30\0\0\x75\x30\x01\0\0\0\0", 29);
   write("test/000001/rgb/000000.png", png);
   EXPECT_EQ(picture_size(scene() / "rgb/000000.png")->width, 30000);
-  EXPECT_TRUE(read_picture(scene() / "rgb/000000.png").empty());
-  EXPECT_FALSE(read_picture(scene() / "rgb/000001.png").empty());
+  EXPECT_TRUE(read_picture_file(scene() / "rgb/000000.png").pixels.empty());
+  EXPECT_FALSE(read_picture_file(scene() / "rgb/000001.png").pixels.empty());
 }
 
 }  // namespace

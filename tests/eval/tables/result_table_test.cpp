@@ -202,11 +202,17 @@ TEST(Table, KeepsTwoDigitsOfSmallErrors) {
       << "decimals are those of the block";
 }
 
+TrialSolver solver_named(const std::string& name) {
+  TrialSolver solver;
+  solver.name = name;
+  return solver;
+}
+
 TEST(Table, PutsSolversThatDoNotFitInFurtherBlocks) {
   constexpr std::array<const char*, 8> kNames{"a", "b", "c", "d", "e", "f", "g", "last_solver"};
   Study study = drawn_poses();
   images_of(study).solving.solvers.clear();
-  for (const char* name : kNames) images_of(study).solving.solvers.push_back({.name = name});
+  for (const char* name : kNames) images_of(study).solving.solvers.push_back(solver_named(name));
   const std::string table = to_table(study, summary_of(study));
   expect_tidy(table);
   const std::vector<std::string> lines = lines_of(table);
@@ -222,7 +228,7 @@ TEST(Table, OfASweepHoldsADozenSolversAndNineConditions) {
   study.title = "A sweep";
   study.claim = "All is well.";
   for (int i = 0; i < 12; ++i) {
-    numeric.solving.solvers.push_back({.name = "orpe_calibrated_" + std::to_string(i)});
+    numeric.solving.solvers.push_back(solver_named("orpe_calibrated_" + std::to_string(i)));
   }
   for (int i = 0; i < 9; ++i) {
     study.conditions.push_back({std::to_string(i) + " px", {{"noise_px", i}}, {}});

@@ -5,6 +5,7 @@
 // itself does without them: with them come 120 more shared libraries, GDAL's among them, and every
 // start of the program takes four times as long.
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -81,12 +82,12 @@ TEST(PicturePeersOf, WebpAndBmpHaveTheSamePixels) {
     const std::string webp =
         encoded_by_opencv(".webp", noise(type), {cv::IMWRITE_WEBP_QUALITY, 101});
     EXPECT_TRUE(same(decode_picture(webp).pixels, noise(type)));
-    EXPECT_EQ(picture_size(webp), cv::Size(53, 37));
+    EXPECT_EQ(picture_size(std::string_view(webp)), cv::Size(53, 37));
   }
   const cv::Mat coloured = noise(CV_8UC3);
   const std::string bmp = encoded_by_opencv(".bmp", coloured);
   EXPECT_TRUE(same(decode_picture(bmp).pixels, coloured));
-  EXPECT_EQ(picture_size(bmp), cv::Size(53, 37));
+  EXPECT_EQ(picture_size(std::string_view(bmp)), cv::Size(53, 37));
   for (const std::string& whole : {encoded_by_opencv(".webp", coloured), bmp}) {
     for (const double share : {0.35, 0.7, 0.95}) {
       EXPECT_EQ(decode_picture(whole.substr(0, static_cast<size_t>(share * whole.size()))).problem,
