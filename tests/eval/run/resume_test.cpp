@@ -80,7 +80,7 @@ class Resume : public testing::Test {
 
   // Ends with finished trials in the folder beside, for want of room.
   void run_out_of_room(const std::string& name) const {
-    const Outcome outcome = run_shell(kLittleRoom + program() + " " + kStudy + to(name));
+    const Outcome outcome = run_shell(kLittleRoom + program() + " " + kStudy + "--jobs 1 " + to(name));
     ASSERT_EQ(outcome.exit_code, 1) << outcome.output;
     EXPECT_EQ(lines_of(outcome.output), 1u) << outcome.output;
     EXPECT_THAT(outcome.output, HasSubstr("results.sqlite: cannot be written"));
