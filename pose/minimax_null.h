@@ -24,7 +24,7 @@ double minimax_ratio_quantile(std::size_t points, double tail);
 /// By how much the covariance of the minimax pose of so many points is larger than that of least
 /// squares: 0.37 n / ln n, for the minimax leans on the few largest of n errors and gains as ln n
 /// from more of them, where least squares gains as n. Of solid and planar clouds near and far alike
-/// within 5 % from 4 to 1000 points (1500 to 40 draws each; a plane of fewer than 8 points 12 %).
+/// within 10 % from 4 to 1000 points (1500 to 40 draws each), of a plane of a few points 20 %.
 double minimax_variance_factor(std::size_t points);
 
 }  // namespace sightline

@@ -24,8 +24,8 @@ constexpr double kMostLost = 0.002;
 constexpr double kTightSd = 3, kLooseSd = 40;
 // Beyond this even starts that agree may agree on a wrong pose: all are tried.
 constexpr double kSuspectClusterFactor = 5;
-// And beyond this no pose is believed: right ones on photographs of a printed cube have 13, wrong
-// ones 20 and more.
+// And beyond this no pose is believed: on two photographs of a printed cube right ones had 13
+// and wrong ones 20 and more, which is all that this limit stands on.
 constexpr double kHopelessClusterFactor = 16;
 
 bool looks_like_model(const Registration& fit) {
