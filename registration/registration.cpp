@@ -161,8 +161,7 @@ Registration register_mesh(const RegistrationTask& task, const RegistrationOptio
       return trials.result(task);
   }
   const std::vector<FitLevel> levels = fit_levels(image, false);
-  if (trials.take(fitter.fit(levels, task.prior.cam_from_target, kTightSd)) ||
-      !options.tries_again) {
+  if (trials.take(fitter.fit(levels, task.prior.cam_from_target, kTightSd))) {
     return trials.result(task);
   }
   if (trials.take(fitter.fit(levels, task.prior.cam_from_target, kLooseSd))) {

@@ -44,8 +44,6 @@ struct RegistrationOptions {
   bool is_srgb = false;
   double blur_px = 1;            ///< the point spread to begin with; it is estimated
   CameraErrors camera_errors{};  ///< carried into the covariance
-  /// Whether other starts are tried where the image does not look like the model.
-  bool tries_again = true;
 };
 
 /// What a registration is given.

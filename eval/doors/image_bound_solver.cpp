@@ -70,7 +70,7 @@ TrialSolver bound_solver(const char* name, const char* summary, uint64_t seed,
 
 std::vector<TrialSolver> image_bound_solvers(uint64_t seed) {
   const auto last = std::make_shared<LastBounds>();
-  return {bound_solver("image_bound", "what the image's Cramer-Rao bound leaves, light unknown",
+  return {bound_solver("image_bound", "what the image's Cramér-Rao bound leaves, light unknown",
                        seed, &ImageBounds::unknown_light, last),
           bound_solver("outline_bound", "the same of the outline alone, contrast unknown", seed,
                        &ImageBounds::outline, last)};

@@ -104,15 +104,27 @@ Pose nearest_alike(const Vertices& vertices, const Pose& estimated, const Pose& 
   return nearest;
 }
 
-double mspd_px(const Vertices& vertices, const Eigen::Matrix3d& k, const Pose& estimated,
-               const Pose& truth, std::span<const Pose> symmetries) {
-  const Eigen::Matrix2Xd there = pixels_of(moved(vertices, estimated), k);
+namespace {
+
+// `projection`: a camera matrix, or a camera with its lens.
+template <typename Projection>
+double least_greatest_px(const Vertices& vertices, const Projection& projection,
+                         const Pose& estimated, const Pose& truth,
+                         std::span<const Pose> symmetries) {
+  const Eigen::Matrix2Xd there = pixels_of(moved(vertices, estimated), projection);
   double least = kInfinity;
   for (const Pose& symmetry : symmetries) {
-    const Eigen::Matrix2Xd alike = pixels_of(moved(vertices, truth * symmetry), k);
+    const Eigen::Matrix2Xd alike = pixels_of(moved(vertices, truth * symmetry), projection);
     least = std::min(least, greatest_distance(there, alike));
   }
   return least;
+}
+
+}  // namespace
+
+double mspd_px(const Vertices& vertices, const Eigen::Matrix3d& k, const Pose& estimated,
+               const Pose& truth, std::span<const Pose> symmetries) {
+  return least_greatest_px(vertices, k, estimated, truth, symmetries);
 }
 
 VertexErrors vertex_errors(const Vertices& vertices, const Camera& camera, const Pose& estimated,
@@ -126,13 +138,7 @@ VertexErrors vertex_errors(const Vertices& vertices, const Camera& camera, const
 
 double least_mspd_px(const Vertices& vertices, const Camera& camera, const Pose& estimated,
                      const Pose& truth, std::span<const Pose> symmetries) {
-  const Eigen::Matrix2Xd there = pixels_of(moved(vertices, estimated), camera);
-  double least = kInfinity;
-  for (const Pose& symmetry : symmetries) {
-    const Eigen::Matrix2Xd alike = pixels_of(moved(vertices, truth * symmetry), camera);
-    least = std::min(least, greatest_distance(there, alike));
-  }
-  return least;
+  return least_greatest_px(vertices, camera, estimated, truth, symmetries);
 }
 
 Pose turned_towards(const Pose& estimated, const Pose& pose, const Eigen::Vector3d& direction,

@@ -26,9 +26,11 @@ void print_result(const Study& study, const RunResult& result, const std::filesy
 }
 
 // Times that two processes take from each other say nothing of a method.
-int jobs_of(const Study& study, int asked) {
-  if (asked > 0) return asked;
-  return study.takes_times() ? 1 : usable_processors();
+// And who gives every process a shard has spread the work himself: the ranks of mpirun share a
+// machine.
+int jobs_of(const Study& study, const RunArguments& arguments) {
+  if (arguments.jobs > 0) return arguments.jobs;
+  return study.takes_times() || !arguments.shard.empty() ? 1 : usable_processors();
 }
 
 }  // namespace
@@ -52,8 +54,8 @@ void add_run_options(CLI::App& sub, CLI::Option* out, RunArguments& arguments) {
   sub.add_option("--seed", arguments.overrides.seed, "Seed of all random draws")
       ->check(CLI::NonNegativeNumber);
   sub.add_option("--jobs", arguments.jobs,
-                 "Processes to run at once [as many as there are processors; one where times are "
-                 "taken]")
+                 "Processes to run at once [as many as there are processors; one with --shard, and "
+                 "where times are taken]")
       ->check(CLI::Range(1, 1024));
   sub.add_option("--shard", arguments.shard,
                  "Only trials with number mod N = I: I/N, auto or auto/N (from the engine)");
@@ -82,7 +84,7 @@ StudyOverrides overrides_of(const RunArguments& arguments) {
 
 RunOptions run_options(const Study& study, const RunArguments& arguments) {
   RunOptions options;
-  options.jobs = jobs_of(study, arguments.jobs);
+  options.jobs = jobs_of(study, arguments);
   options.is_resumed = arguments.is_resumed;
   options.show_progress = !arguments.is_quiet;
   options.renderer.gl = gl_choice(arguments.gl).value();

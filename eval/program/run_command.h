@@ -21,7 +21,7 @@ struct RunArguments {
   StudyOverrides overrides;
   GuestArguments guests;
   std::string out;
-  int jobs = 0;  ///< processes; 0: as many as there are processors, one where times are taken
+  int jobs = 0;  ///< processes; 0: see add_run_options
   std::string shard;
   std::string gl = "none";
   bool is_resumed = false;

@@ -12,7 +12,7 @@ std::vector<Key> bound_keys(bool& has_image_bound) {
            &has_image_bound,
            {},
            "",
-           "of an image study: whether errors of the Cramer-Rao bound of each image stand beside "
+           "of an image study: whether errors of the Cramér-Rao bound of each image stand beside "
            "the solvers', as image_bound and outline_bound"}};
 }
 

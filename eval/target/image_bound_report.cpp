@@ -90,7 +90,7 @@ std::string image_bound_table(const std::string& title, const std::vector<ImageB
     greatest = std::max(greatest, row.theta_deg[1]);
   }
   std::string text = title + "\n";
-  text += "Cramer-Rao bounds, root mean squares: theta_error in degrees, T_error in percent\n";
+  text += "Cramér-Rao bounds, root mean squares: theta_error in degrees, T_error in percent\n";
   text += fmt::format("{:28} {:>6}", "", "scenes");
   for (const char* kind : kImageBoundKinds) text += fmt::format(" {:>18}", kind);
   text += "\n";

@@ -71,6 +71,9 @@ int run_render(RenderArguments& arguments) {
   if (!arguments.verified.empty()) return run_verify(arguments);
   remember_interrupts();
   arguments.request.has_full_truth = arguments.truth == "full";
+  if (arguments.options.jobs == 0) {
+    arguments.options.jobs = arguments.shard.empty() ? usable_processors() : 1;
+  }
   const SetPlan plan = plan_set(arguments.request);
   std::cerr << warnings_of(plan);
   if (arguments.is_dry_run) {
@@ -111,9 +114,9 @@ void add_render(CLI::App& app, int& exit_code) {
   auto* out = sub->add_option("--out", arguments->out, "Folder of the set");
   sub->add_option("--seed", request.overrides.seed, "Seed of all random draws")
       ->check(CLI::NonNegativeNumber);
-  arguments->options.jobs = usable_processors();
+  arguments->options.jobs = 0;  // see run_render
   sub->add_option("--jobs", arguments->options.jobs,
-                  "Processes to run at once [as many as there are processors]")
+                  "Processes to run at once [as many as there are processors; one with --shard]")
       ->check(CLI::Range(1, 1024));
   sub->add_option("--shard", arguments->shard,
                   "Only images with number mod N = I, into the same folder as the other shards: "
