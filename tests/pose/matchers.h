@@ -80,4 +80,9 @@ inline void PrintTo(PoseStatus status, std::ostream* out) {
   *out << to_string(status);
 }
 
+/// Beside the name of a test that is made for every solver, instead of the bytes of its entry.
+inline void PrintTo(const PoseSolver& solver, std::ostream* out) {
+  *out << solver.name;
+}
+
 }  // namespace sightline

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <ostream>
 #include <string>
 #include <vector>
 
@@ -21,11 +20,6 @@
 #include "tests/pose/synthetic.h"
 
 namespace sightline {
-
-// Beside a test's name, instead of the bytes of the entry.
-static void PrintTo(const PoseSolver& solver, std::ostream* out) {
-  *out << solver.name;
-}
 
 namespace {
 
