@@ -89,7 +89,7 @@ class Doors : public testing::Test {
 };
 
 TEST_F(Doors, ObservationsOfAFileAreAnExtractorBesideOurs) {
-  ASSERT_EQ(evaluate("own", "--solvers lspe,oracle").exit_code, 0);
+  ASSERT_EQ(evaluate("own", "--solvers lspe,oracle --jobs 1").exit_code, 0);
   const std::string same = observations_file("own", "same.csv");
   const std::string moved = observations_file("own", "moved.csv", 0.5);
   const Outcome outcome =

@@ -197,7 +197,7 @@ TEST_F(OwnSet, IsEvaluatedAsAnyRunIs) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
     return read_whole(folder_.path() / out / "results.csv");
   };
-  const std::string all = evaluate("all", "");
+  const std::string all = evaluate("all", "--jobs 1");
   EXPECT_EQ(lines_of(all), 1u + 2 * kImages);
   EXPECT_THAT(all, HasSubstr("\n3,all,test/000001/gray/000000.png,1,0,0,lspe,ok,"));
   EXPECT_EQ(evaluate("jobs", "--jobs 2"), all);

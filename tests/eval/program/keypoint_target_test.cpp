@@ -217,7 +217,7 @@ TEST_F(KeypointTarget, IsEvaluatedAsAnyRunIs) {
     EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
     return read_whole(path(out + "/results.csv"));
   };
-  const std::string all = evaluate("all", "");
+  const std::string all = evaluate("all", "--jobs 1");
   EXPECT_EQ(lines_of(all), 1u + 2 * 6);
   EXPECT_EQ(evaluate("jobs", "--jobs 2"), all);
   EXPECT_THAT(all, StartsWith(evaluate("two", "--trials 2")));

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
+#include "eval/work/processors.h"
 #include "pose/solver.h"
 #include "tests/scenes/temporary_folder.h"
 
@@ -65,7 +66,7 @@ TEST_F(Program, RunsTable1FromMeshToReport) {
 
 TEST_F(Program, JobsShardsAndRepetitionsGiveTheSameResults) {
   const std::string study = "study boeing-random --trials 5 --quiet ";
-  ASSERT_EQ(run(study + "--out " + path("one")).exit_code, 0);
+  ASSERT_EQ(run(study + "--jobs 1 --out " + path("one")).exit_code, 0);
   ASSERT_EQ(run(study + "--jobs 2 --out " + path("two")).exit_code, 0);
   std::string merge = "merge";
   for (int i = 0; i < 3; ++i) {
@@ -110,7 +111,7 @@ TEST_F(Program, JobsShardsAndRepetitionsGiveTheSameResults) {
 TEST_F(Program, NumericStudiesRepeatWhateverTheJobsAndShards) {
   for (const std::string name : {"cube-noise", "orientation-points"}) {
     const std::string study = "study " + name + " --trials 4 --quiet --out ";
-    ASSERT_EQ(run(study + path(name + "-one")).exit_code, 0);
+    ASSERT_EQ(run(study + path(name + "-one") + " --jobs 1").exit_code, 0);
     ASSERT_EQ(run(study + path(name + "-two") + " --jobs 3").exit_code, 0);
     ASSERT_EQ(run(study + path(name + "-s1") + " --shard 1/2").exit_code, 0);
     ASSERT_EQ(run(study + path(name + "-s0") + " --shard 0/2 --jobs 2").exit_code, 0);
@@ -128,12 +129,23 @@ TEST_F(Program, NumericStudiesRepeatWhateverTheJobsAndShards) {
   }
 }
 
+TEST_F(Program, TakesAllProcessorsButWhereTheWorkIsSpreadOrTimed) {
+  const auto jobs_of = [&](const std::string& name, const std::string& study) {
+    EXPECT_EQ(run("study " + study + " --trials 4 --quiet --out " + path(name)).exit_code, 0);
+    return nlohmann::json::parse(results(name, "manifest.json")).at("jobs").get<int>();
+  };
+  EXPECT_EQ(jobs_of("plain", "cube-noise"), usable_processors());
+  EXPECT_EQ(jobs_of("given", "cube-noise --jobs 3"), 3);
+  EXPECT_EQ(jobs_of("shard", "cube-noise --shard 0/2"), 1);
+  EXPECT_EQ(jobs_of("timed", "orientation-speed --set timed_repeats=1"), 1);
+}
+
 TEST_F(Program, PlansWhateverTheJobsAndLeavesNothing) {
   const std::string plan =
       "study cube-noise --trials 20 --plan 0.05 --quiet "
       "--set 'solvers=[\"lspe\"]' --set outliers.count=0 ";
   const std::string in_here = "cd " + folder_.path().string() + " && TMPDIR=. ";
-  const Outcome one = run_shell(in_here + SIGHTLINE_PROGRAM + " " + plan);
+  const Outcome one = run_shell(in_here + SIGHTLINE_PROGRAM + " " + plan + "--jobs 1");
   const Outcome two = run_shell(in_here + SIGHTLINE_PROGRAM + " " + plan + "--jobs 2");
   ASSERT_EQ(one.exit_code, 0) << one.output;
   EXPECT_EQ(one.output, two.output);

@@ -115,7 +115,7 @@ bool run_and_kill(const std::string& line, Clock::duration after) {
 
 TEST_F(Resume, AfterKillsAtAnyMomentLosesNothingAndRepeatsNothing) {
   const auto start = Clock::now();
-  ASSERT_EQ(run(kStudy + to("whole")).exit_code, 0);
+  ASSERT_EQ(run(kStudy + "--jobs 1 " + to("whole")).exit_code, 0);
   const auto whole = Clock::now() - start;
 
   constexpr int kLeastKills = 6;
@@ -151,7 +151,7 @@ TEST_F(Resume, AfterKillsAtAnyMomentLosesNothingAndRepeatsNothing) {
 }
 
 TEST_F(Resume, WithoutRoomEndsInOneLineWithTheStoreIntactAndContinuesWhereThereIsRoom) {
-  ASSERT_EQ(run(kStudy + to("whole")).exit_code, 0);
+  ASSERT_EQ(run(kStudy + "--jobs 1 " + to("whole")).exit_code, 0);
   run_out_of_room("run");
   const int64_t left = trials_left("run");
   EXPECT_GT(left, 0);
@@ -208,7 +208,7 @@ TEST_F(Resume, TwoRunsIntoOneFolderAreRefused) {
   while (!fs::exists(staging_folder(out("run")) / "results.sqlite")) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
-  for (const char* how : {"", " --jobs 2"}) {
+  for (const char* how : {" --jobs 1", " --jobs 2"}) {
     const Outcome second = run(study + how);
     EXPECT_EQ(second.exit_code, 1);
     EXPECT_EQ(lines_of(second.output), 1u) << second.output;
