@@ -58,6 +58,13 @@ Pose retract(const Pose& pose, const Vector6d& delta) {
           pose.translation + delta.tail<3>()};
 }
 
+Vector6d change_between(const Pose& from, const Pose& to) {
+  Vector6d change;
+  change << vector_from_rotation(to.rotation * from.rotation.transpose()),
+      to.translation - from.translation;
+  return change;
+}
+
 double geodesic_angle_rad(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b) {
   const Eigen::Quaterniond a_from_b = quaternion_from_rotation(a.transpose() * b);
   return 2 * std::atan2(a_from_b.vec().norm(), std::abs(a_from_b.w()));

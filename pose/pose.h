@@ -42,6 +42,9 @@ Eigen::Vector3d vector_from_rotation(const Eigen::Matrix3d& rotation);
 /// The pose (Exp(w) R, t + dt) that the change delta = (w, dt) leads to from the pose (R, t).
 Pose retract(const Pose& pose, const Vector6d& delta);
 
+/// The change that leads from one pose to the other: retract(from, change) is `to`.
+Vector6d change_between(const Pose& from, const Pose& to);
+
 /// The angle in [0, pi] of the rotation that takes one attitude to the other. Unlike a difference
 /// of Euler angles it has no gimbal lock. Accurate to 1e-15 rad near 0 and near pi.
 double geodesic_angle_rad(const Eigen::Matrix3d& a, const Eigen::Matrix3d& b);

@@ -104,10 +104,7 @@ void Fitter::fit_first_light(const GreyImage& image, const ModelView& view) {
 
 PriorTerm Fitter::prior_term(bool is_sharp) const {
   constexpr double kLightSd = 100, kBackgroundSd = 100, kBlurSd = 0.5;
-  Vector6d error;
-  error << vector_from_rotation(state_.cam_from_target.rotation *
-                                prior_.cam_from_target.rotation.transpose()),
-      state_.cam_from_target.translation - prior_.cam_from_target.translation;
+  const Vector6d error = change_between(prior_.cam_from_target, state_.cam_from_target);
   PriorTerm term;
   term.information.topLeftCorner(6, 6) = prior_information_;
   term.pull.head<6>() = -prior_information_ * error;

@@ -17,7 +17,7 @@
 namespace sightline {
 namespace {
 
-constexpr int kSize = 120;
+constexpr int kImageSize = 120;
 
 // A wedge with its tip at `tip`, opening between two directions (degrees, u right, v down), bright
 // on dark, blurred and noisy as a frame is.
@@ -25,7 +25,7 @@ cv::Mat wedge_image(const Eigen::Vector2d& tip, double from_deg, double to_deg,
                     double noise_grey = 3, double background = 40, double foreground = 180) {
   constexpr int kShift = 4;
   constexpr int kOversample = 8;
-  cv::Mat large(kSize * kOversample, kSize * kOversample, CV_32F, cv::Scalar(background));
+  cv::Mat large(kImageSize * kOversample, kImageSize * kOversample, CV_32F, cv::Scalar(background));
   const auto to_large = [](const Eigen::Vector2d& p) {
     const double scale = kOversample * (1 << kShift);
     return cv::Point(static_cast<int>(std::lround((p.x() + 0.5) * scale - 0.5 * (1 << kShift))),
@@ -39,11 +39,11 @@ cv::Mat wedge_image(const Eigen::Vector2d& tip, double from_deg, double to_deg,
   cv::fillPoly(large, std::vector<std::vector<cv::Point>>{polygon}, cv::Scalar(foreground),
                cv::LINE_8, kShift);
   cv::Mat image;
-  cv::resize(large, image, {kSize, kSize}, 0, 0, cv::INTER_AREA);
+  cv::resize(large, image, {kImageSize, kImageSize}, 0, 0, cv::INTER_AREA);
   cv::GaussianBlur(image, image, {}, 0.7);
   RandomStream stream(1, "noise", 0);
-  for (int v = 0; v < kSize; ++v) {
-    for (int u = 0; u < kSize; ++u) {
+  for (int v = 0; v < kImageSize; ++v) {
+    for (int u = 0; u < kImageSize; ++u) {
       image.at<float>(v, u) += static_cast<float>(noise_grey * stream.normal());
     }
   }
@@ -145,7 +145,7 @@ TEST(ShiTomasiNearest, NoiseIsNoCorner) {
   const Observation noisy = extract(wedge_image({500, 500}, 0, 10), corner_prediction({60, 60}));
   EXPECT_EQ(noisy.status, ObservationStatus::kNoCorner);
   const Observation flat =
-      extract(cv::Mat(kSize, kSize, CV_8U, cv::Scalar(40)), corner_prediction({60, 60}));
+      extract(cv::Mat(kImageSize, kImageSize, CV_8U, cv::Scalar(40)), corner_prediction({60, 60}));
   EXPECT_EQ(flat.status, ObservationStatus::kEmptyWindow);
 }
 

@@ -22,12 +22,12 @@ Camera wide_camera() {
 }
 
 TEST(Robust, ThresholdIsExceededAtTheStatedRate) {
-  constexpr int kTrials = 20000;
+  constexpr int kDraws = 20000;
   Draw draw(1);
   for (const std::size_t n : {4u, 8u, 20u}) {
     const double t2 = squared_threshold(0.1, n);
     int alarms = 0;
-    for (int i = 0; i < kTrials; ++i) {
+    for (int i = 0; i < kDraws; ++i) {
       double largest = 0;
       for (std::size_t k = 0; k < n; ++k) {
         largest = std::max(largest, draw.pixel_noise(1).squaredNorm());
@@ -35,7 +35,7 @@ TEST(Robust, ThresholdIsExceededAtTheStatedRate) {
       alarms += largest > t2;
     }
     // Three standard deviations of a binomial count.
-    EXPECT_NEAR(alarms, 0.1 * kTrials, 3 * std::sqrt(0.09 * kTrials)) << n;
+    EXPECT_NEAR(alarms, 0.1 * kDraws, 3 * std::sqrt(0.09 * kDraws)) << n;
   }
 }
 
@@ -73,7 +73,7 @@ TEST(Robust, HuberLossIsTheIntegralOfItsWeight) {
 // Pixels drawn with their covariances, through the lens: the mean square of two whitened
 // coordinates is two.
 TEST(Robust, WhitenedResidualsHaveUnitVariance) {
-  constexpr int kTrials = 3000;
+  constexpr int kDraws = 3000;
   Draw draw(3);
   Eigen::Matrix2d covariance;
   covariance << 0.5, 0.2, 0.2, 0.1;
@@ -81,7 +81,7 @@ TEST(Robust, WhitenedResidualsHaveUnitVariance) {
   const Pose cam_from_target = {draw.rotation(), {0.8, -0.5, 2.5}};
   const Synthetic exact = exact_problem(wide_camera(), cube_vertices(), cam_from_target);
   Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
-  for (int i = 0; i < kTrials; ++i) {
+  for (int i = 0; i < kDraws; ++i) {
     PoseProblem noisy = exact.problem;
     noisy.covariances_px2.assign(8, covariance);
     noisy.sigma_px = 7;  // covariances go first
@@ -93,7 +93,7 @@ TEST(Robust, WhitenedResidualsHaveUnitVariance) {
     const Pose pose = to_centred(cam_from_target, c.points);
     for (std::size_t k = 0; k < 8; ++k) {
       const Eigen::Vector2d r = *whitened_residual(c, k, pose);
-      sum += r * r.transpose() / (8 * kTrials);
+      sum += r * r.transpose() / (8 * kDraws);
       EXPECT_TRUE(is_matrix_near(whitened_reprojection(c, k, pose)->residual_px, r, 1e-9));
     }
   }

@@ -10,8 +10,8 @@
 namespace sightline {
 namespace {
 
-constexpr int kSize = 256;
-constexpr double kPixels = kSize * kSize;
+constexpr int kSidePx = 256;
+constexpr double kPixels = kSidePx * kSidePx;
 
 Sensor clean(int bits = 8) {
   Sensor sensor;
@@ -44,7 +44,8 @@ TEST(Sensor, ClipsAtBlackAndWhite) {
 TEST(Sensor, ReadNoiseHasItsStandardDeviation) {
   Sensor sensor = clean(16);
   sensor.read_noise_grey = 3;
-  const cv::Mat image = expose(cv::Mat(kSize, kSize, CV_32F, cv::Scalar(0.5)), sensor, stream());
+  const cv::Mat image =
+      expose(cv::Mat(kSidePx, kSidePx, CV_32F, cv::Scalar(0.5)), sensor, stream());
   cv::Scalar mean, sd;
   cv::meanStdDev(image, mean, sd);
   const double grey = 65535.0 / 255;
@@ -57,7 +58,7 @@ TEST(Sensor, PhotonNoiseGrowsAsTheRootOfTheLight) {
   sensor.full_well_electrons = 10000;
   for (const double light : {0.1, 0.4}) {
     const cv::Mat image =
-        expose(cv::Mat(kSize, kSize, CV_32F, cv::Scalar(light)), sensor, stream());
+        expose(cv::Mat(kSidePx, kSidePx, CV_32F, cv::Scalar(light)), sensor, stream());
     cv::Scalar mean, sd;
     cv::meanStdDev(image, mean, sd);
     const double expected = std::sqrt(light / 10000);
@@ -82,7 +83,8 @@ TEST(Sensor, GainMultipliesSignalAndNoise) {
   Sensor sensor = clean(16);
   sensor.read_noise_grey = 2;
   sensor.gain = 2.5;
-  const cv::Mat image = expose(cv::Mat(kSize, kSize, CV_32F, cv::Scalar(0.2)), sensor, stream());
+  const cv::Mat image =
+      expose(cv::Mat(kSidePx, kSidePx, CV_32F, cv::Scalar(0.2)), sensor, stream());
   cv::Scalar mean, sd;
   cv::meanStdDev(image, mean, sd);
   const double grey = 65535.0 / 255;
@@ -106,7 +108,7 @@ TEST(Sensor, DeadAndHotPixelsAreTheSameInAllFrames) {
   sensor.dead_fraction = 0.01;
   sensor.hot_fraction = 0.002;
   const auto frame = [&sensor](double light) {
-    return expose(cv::Mat(kSize, kSize, CV_32F, cv::Scalar(light)), sensor, stream());
+    return expose(cv::Mat(kSidePx, kSidePx, CV_32F, cv::Scalar(light)), sensor, stream());
   };
   const cv::Mat image = frame(0.5);
   EXPECT_EQ(cv::countNonZero(image == 0), std::lround(0.01 * kPixels));

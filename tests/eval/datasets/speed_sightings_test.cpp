@@ -24,14 +24,14 @@ namespace {
 namespace fs = std::filesystem;
 using testing::HasSubstr;
 
-constexpr int kWidth = 320, kHeight = 240;
+constexpr int kWidthPx = 320, kHeightPx = 240;
 
 class ForeignSpeed : public testing::Test {
  protected:
   ForeignSpeed() {
     fs::create_directories(folder_.path() / "synthetic/images");
     folder_.write("synthetic/images/img1.jpg",
-                  jpeg_bytes(cv::Mat(kHeight, kWidth, CV_8U, cv::Scalar(40))));
+                  jpeg_bytes(cv::Mat(kHeightPx, kWidthPx, CV_8U, cv::Scalar(40))));
     folder_.write("camera.json",
                   R"({"Nu": 320, "Nv": 240, "ppx": 1e-5, "ppy": 2e-5, "fx": 0.009, "fy": 0.0183,
                       "ccx": 160, "ccy": 120, "cameraMatrix": [[900, 0, 160], [0, 915, 120],

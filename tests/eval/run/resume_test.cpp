@@ -37,7 +37,7 @@ using Clock = std::chrono::steady_clock;
 
 // 9 conditions of 1000 trials: a handful of batches.
 const std::string kStudy = "study cube-noise --set trials=1000 --set 'solvers=[\"lspe\"]' --quiet ";
-constexpr int64_t kTrials = 9000;
+constexpr int64_t kTrialsInAll = 9000;
 // A limit on a file's size (in blocks of 512 bytes) that some of these batches fit in.
 const std::string kLittleRoom = "ulimit -f 7000; ";
 
@@ -60,10 +60,10 @@ class Resume : public testing::Test {
     fs::remove_all(copy);
     fs::copy(staging, copy);
     int64_t count = 0;
-    std::vector<bool> held(kTrials);
+    std::vector<bool> held(kTrialsInAll);
     for (const auto& entry : fs::directory_iterator(copy)) {
       if (entry.path().extension() != ".sqlite") continue;
-      const std::vector<bool> of_store = Store::open(entry.path()).held(kTrials);
+      const std::vector<bool> of_store = Store::open(entry.path()).held(kTrialsInAll);
       for (size_t i = 0; i < held.size(); ++i) {
         count += of_store[i] && !held[i];  // a store may have been taken over right before the kill
         held[i] = held[i] || of_store[i];
@@ -155,7 +155,7 @@ TEST_F(Resume, WithoutRoomEndsInOneLineWithTheStoreIntactAndContinuesWhereThereI
   run_out_of_room("run");
   const int64_t left = trials_left("run");
   EXPECT_GT(left, 0);
-  EXPECT_LT(left, kTrials);
+  EXPECT_LT(left, kTrialsInAll);
   EXPECT_FALSE(fs::exists(out("run")));
   ASSERT_EQ(run(kStudy + to("run") + " --resume --jobs 2").exit_code, 0);
   const auto manifest = nlohmann::json::parse(read_whole(out("run") / "manifest.json"));

@@ -9,41 +9,23 @@
 #include <gtest/gtest.h>
 
 #include "tests/eval/studies.h"
+#include "tests/eval/summary/handmade_trials.h"
 
 namespace sightline {
 namespace {
 
-ObservationRecord found(const Eigen::Vector2d& error, bool is_outlier = false) {
-  ObservationRecord o;
-  o.feature = "corner";
-  o.status = ObservationOutcome::kFound;
-  o.label = is_outlier ? ObservationLabel::kWrongLine : ObservationLabel::kInlier;
-  o.is_visible = true;
-  o.pixel = error;
-  o.error_px = error.norm();
-  o.error_sigmas = error.norm() / 0.5;
-  o.is_outlier = is_outlier;
-  return o;
-}
-
-ObservationRecord missing() {
-  ObservationRecord o;
-  o.feature = "corner";
-  o.status = ObservationOutcome::kNoCorner;
-  o.label = ObservationLabel::kMissing;
-  o.is_visible = true;
-  return o;
-}
+using handmade::corner_missing;
+using handmade::corner_off_by;
 
 TEST(FeatureCounts, KnowTheTrialWithTheFewest) {
   FeatureCounts counts;
   TrialRecord trial;
-  trial.pose_trial().observations.assign(5, found({1, 0}));
+  trial.pose_trial().observations.assign(5, corner_off_by({1, 0}));
   counts.add(trial);
   EXPECT_EQ(counts.few_inliers, 0);
-  trial.pose_trial().observations[0] = missing();
-  trial.pose_trial().observations[1] = found({20, 0}, true);
-  trial.pose_trial().observations.push_back(found({1, 0}));
+  trial.pose_trial().observations[0] = corner_missing();
+  trial.pose_trial().observations[1] = corner_off_by({20, 0}, true);
+  trial.pose_trial().observations.push_back(corner_off_by({1, 0}));
   trial.pose_trial().observations.back().is_visible = false;
   counts.add(trial);
   EXPECT_EQ(counts.trials, 2);
@@ -75,13 +57,15 @@ ObservationRecord of_feature(ObservationRecord observation, const char* feature)
 FeatureStatistics three_trials() {
   FeatureStatistics statistics(two_features());
   TrialRecord trial;
-  trial.pose_trial().observations = {found({1, 0}), of_feature(found({3, 0}), "nose")};
+  trial.pose_trial().observations = {corner_off_by({1, 0}),
+                                     of_feature(corner_off_by({3, 0}), "nose")};
   statistics.add(trial);
   trial.condition = 1;
-  trial.pose_trial().observations = {missing(), of_feature(found({20, 0}, true), "nose")};
+  trial.pose_trial().observations = {corner_missing(),
+                                     of_feature(corner_off_by({20, 0}, true), "nose")};
   statistics.add(trial);
-  trial.pose_trial().observations = {missing(), of_feature(found({5, 0}), "nose"),
-                                     of_feature(found({2, 0}), "chimney")};
+  trial.pose_trial().observations = {corner_missing(), of_feature(corner_off_by({5, 0}), "nose"),
+                                     of_feature(corner_off_by({2, 0}), "chimney")};
   statistics.add(trial);
   return statistics;
 }

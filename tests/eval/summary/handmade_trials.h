@@ -30,6 +30,29 @@ inline Study two_poses() {
   return study;
 }
 
+/// A feature that was found `error` px from its true place; the errors are of 0.5 px.
+inline ObservationRecord corner_off_by(const Eigen::Vector2d& error, bool is_outlier = false) {
+  ObservationRecord o;
+  o.feature = "corner";
+  o.status = ObservationOutcome::kFound;
+  o.label = is_outlier ? ObservationLabel::kWrongLine : ObservationLabel::kInlier;
+  o.is_visible = true;
+  o.pixel = error;
+  o.error_px = error.norm();
+  o.error_sigmas = error.norm() / 0.5;
+  o.is_outlier = is_outlier;
+  return o;
+}
+
+inline ObservationRecord corner_missing() {
+  ObservationRecord o;
+  o.feature = "corner";
+  o.status = ObservationOutcome::kNoCorner;
+  o.label = ObservationLabel::kMissing;
+  o.is_visible = true;
+  return o;
+}
+
 inline ObservationRecord found(const char* feature, double error_px, bool is_outlier = false) {
   ObservationRecord observation;
   observation.feature = feature;

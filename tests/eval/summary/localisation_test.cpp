@@ -6,36 +6,21 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/eval/summary/handmade_trials.h"
+
 namespace sightline {
 namespace {
 
-ObservationRecord found(const Eigen::Vector2d& error, bool is_outlier = false) {
-  ObservationRecord o;
-  o.feature = "corner";
-  o.status = ObservationOutcome::kFound;
-  o.label = is_outlier ? ObservationLabel::kWrongLine : ObservationLabel::kInlier;
-  o.is_visible = true;
-  o.pixel = error;
-  o.error_px = error.norm();
-  o.error_sigmas = error.norm() / 0.5;
-  o.is_outlier = is_outlier;
-  return o;
-}
-
-ObservationRecord missing() {
-  ObservationRecord o;
-  o.feature = "corner";
-  o.status = ObservationOutcome::kNoCorner;
-  o.label = ObservationLabel::kMissing;
-  o.is_visible = true;
-  return o;
-}
+using handmade::corner_missing;
+using handmade::corner_off_by;
 
 TEST(Localisation, SeparatesFoundRateOutliersBiasAndNoise) {
   LocalisationStatistics statistics;
   TrialRecord a, b;
-  a.pose_trial().observations = {found({1, 0}), found({3, 0}), missing(), found({20, 0}, true)};
-  b.pose_trial().observations = {found({1, 2}), found({3, 2}), missing(), missing()};
+  a.pose_trial().observations = {corner_off_by({1, 0}), corner_off_by({3, 0}), corner_missing(),
+                                 corner_off_by({20, 0}, true)};
+  b.pose_trial().observations = {corner_off_by({1, 2}), corner_off_by({3, 2}), corner_missing(),
+                                 corner_missing()};
   statistics.add(a);
   statistics.add(b);
   const Localisation all = statistics.summary();
@@ -57,9 +42,9 @@ TEST(Localisation, SeparatesFoundRateOutliersBiasAndNoise) {
 
 TEST(Localisation, CountsATrialWithoutObservationsAmongTheTrials) {
   LocalisationStatistics one, two;
-  one.add(found({1, 0}));
+  one.add(corner_off_by({1, 0}));
   one.end_trial();
-  two.add(found({1, 0}));
+  two.add(corner_off_by({1, 0}));
   two.end_trial();
   two.end_trial();
   EXPECT_TRUE(std::isnan(one.summary().found_rate.ci95[0])) << "one trial says nothing of others";
@@ -68,9 +53,10 @@ TEST(Localisation, CountsATrialWithoutObservationsAmongTheTrials) {
 
 TEST(Localisation, WhatIsNearIsCountedOfWhatIsToBeSeen) {
   TrialRecord trial;
-  trial.pose_trial().observations = {found({1, 0}),        found({0, 2}), found({3.5, 0}),
-                                     found({20, 0}, true), missing(),     found({0.5, 0}),
-                                     found({30, 0}, true)};
+  trial.pose_trial().observations = {
+      corner_off_by({1, 0}),        corner_off_by({0, 2}), corner_off_by({3.5, 0}),
+      corner_off_by({20, 0}, true), corner_missing(),      corner_off_by({0.5, 0}),
+      corner_off_by({30, 0}, true)};
   trial.pose_trial().observations[5].is_visible = trial.pose_trial().observations[6].is_visible =
       false;
   LocalisationStatistics statistics;

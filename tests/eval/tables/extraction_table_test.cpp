@@ -86,7 +86,7 @@ std::string row(const std::string& table, const std::string& label) {
              : table.substr(begin + 1, table.find('\n', begin + 1) - begin - 1);
 }
 
-size_t width(const std::string& line) {
+size_t columns_of(const std::string& line) {
   return static_cast<size_t>(
       std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
@@ -94,7 +94,7 @@ size_t width(const std::string& line) {
 void expect_fits(const std::string& table) {
   std::istringstream lines(table);
   for (std::string line; std::getline(lines, line);) {
-    EXPECT_LE(width(line), 100u) << line;
+    EXPECT_LE(columns_of(line), 100u) << line;
     EXPECT_THAT(line, AllOf(Not(HasSubstr("nan")), Not(HasSubstr("inf")))) << line;
   }
 }

@@ -16,8 +16,8 @@ namespace sightline {
 namespace {
 
 /// A pixel is 1/800 rad; exact pixels are rounded to 1e-13 px.
-constexpr double kNearRad = 1e-6;
-constexpr double kNearM = 1e-5;
+constexpr double kSamePoseRad = 1e-6;
+constexpr double kSamePoseM = 1e-5;
 
 Synthetic near_points(int n, double depth, Draw& draw) {
   return exact_problem(centred_camera(640, 480, 800), points_in_box(n, {1, 1, depth}, draw),
@@ -26,7 +26,7 @@ Synthetic near_points(int n, double depth, Draw& draw) {
 
 bool holds(const PoseMinima& minima, const Pose& pose) {
   return std::ranges::any_of(minima.minima, [&pose](const PoseMinimum& m) {
-    return bool(is_pose_near(m.cam_from_target, pose, kNearRad, kNearM));
+    return bool(is_pose_near(m.cam_from_target, pose, kSamePoseRad, kSamePoseM));
   });
 }
 

@@ -23,7 +23,7 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-double error_rad(const PoseEstimate& estimate, const Synthetic& truth) {
+double rotation_error_rad(const PoseEstimate& estimate, const Synthetic& truth) {
   if (estimate.status != PoseStatus::kOk) return 20 * kDegree;
   return geodesic_angle_rad(estimate.cam_from_target.rotation, truth.cam_from_target.rotation);
 }
@@ -60,8 +60,8 @@ Tally tally(std::string_view name, const Setting& setting, const SolverOptions& 
     const PoseEstimate estimate = solve(name, s.problem, options);
     t.exact_sets += estimate.removed == order;
     t.failures += estimate.status != PoseStatus::kOk;
-    sum2 += std::pow(error_rad(estimate, s), 2);
-    oracle2 += std::pow(error_rad(solve("oracle", s.problem), s), 2);
+    sum2 += std::pow(rotation_error_rad(estimate, s), 2);
+    oracle2 += std::pow(rotation_error_rad(solve("oracle", s.problem), s), 2);
   }
   t.ratio_to_oracle = std::sqrt(sum2 / oracle2);
   return t;
@@ -153,8 +153,8 @@ TEST_P(EveryComparator, CovariancesWeigh) {
       s.problem.pixels[k] += draw.pixel_noise(sigma_px);
       s.problem.covariances_px2.push_back(sigma_px * sigma_px * Eigen::Matrix2d::Identity());
     }
-    with2 += std::pow(error_rad(solve(GetParam(), s.problem), s), 2);
-    without2 += std::pow(error_rad(solve("lspe", s.problem), s), 2);
+    with2 += std::pow(rotation_error_rad(solve(GetParam(), s.problem), s), 2);
+    without2 += std::pow(rotation_error_rad(solve("lspe", s.problem), s), 2);
   }
   EXPECT_LT(std::sqrt(with2), 0.6 * std::sqrt(without2));
 }
@@ -223,7 +223,7 @@ TEST(Comparators, BothMirrorStartsAreCarriedToTheEnd) {
       add_noise(s.problem, 0.2, draw);
       s.problem.sigma_px = 0.2;
       add_outlier(s.problem, draw.index(8), 30, draw);
-      flips += !(error_rad(solve(name, s.problem), s) < 0.2);
+      flips += !(rotation_error_rad(solve(name, s.problem), s) < 0.2);
     }
     EXPECT_LE(flips, 0.05 * kTrials) << name;
   }
@@ -357,7 +357,7 @@ TEST(RansacP3p, DrawsWhereThereAreTooManyTriples) {
       ASSERT_EQ(estimate.status, PoseStatus::kOk);
       EXPECT_TRUE(std::ranges::includes(estimate.removed, c.outliers));
       EXPECT_LE(estimate.removed.size(), c.outliers.size() + 2);
-      EXPECT_LT(error_rad(estimate, c.synthetic), 0.2 * kDegree);
+      EXPECT_LT(rotation_error_rad(estimate, c.synthetic), 0.2 * kDegree);
     }
   }
 }
@@ -372,7 +372,7 @@ TEST(RansacP3p, DrawsAsLongAsTheConsensusFoundAsks) {
   for (const Crowd* const one : {&c, &std::as_const(worse)}) {
     const PoseEstimate estimate = solve("ransac_p3p", one->synthetic.problem);
     ASSERT_EQ(estimate.status, PoseStatus::kOk);
-    EXPECT_LT(error_rad(estimate, one->synthetic), 0.2 * kDegree);
+    EXPECT_LT(rotation_error_rad(estimate, one->synthetic), 0.2 * kDegree);
   }
 }
 

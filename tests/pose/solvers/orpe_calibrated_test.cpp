@@ -17,10 +17,6 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-PoseEstimate solve(const PoseProblem& problem, const SolverOptions& options = {}) {
-  return find_pose_solver("orpe_calibrated")->solve(problem, options);
-}
-
 TEST(OrpeCalibrated, LosesAGoodPointAsOftenAsStated) {
   constexpr int kTrials = 1500;
   for (const double rate : {0.1, 0.02}) {
@@ -32,7 +28,7 @@ TEST(OrpeCalibrated, LosesAGoodPointAsOftenAsStated) {
       for (int i = 0; i < kTrials; ++i) {
         Synthetic s = cube_problem(1, draw);
         s.problem.sigma_px = known_sigma_px;
-        const PoseEstimate estimate = solve(s.problem, options);
+        const PoseEstimate estimate = solve("orpe_calibrated", s.problem, options);
         ASSERT_EQ(estimate.status, PoseStatus::kOk);
         removed += !estimate.removed.empty();
       }
@@ -54,7 +50,7 @@ TEST(OrpeCalibrated, FindsTwoOutliersThatMaskEachOther) {
       s.problem.sigma_px = known_sigma_px;
       add_outlier(s.problem, 1, draw.uniform(15, 30), draw);
       add_outlier(s.problem, 6, draw.uniform(15, 30), draw);
-      found += solve(s.problem).removed == std::vector<int>{1, 6};
+      found += solve("orpe_calibrated", s.problem).removed == std::vector<int>{1, 6};
       found_inward +=
           find_pose_solver("orpe")->solve(s.problem, {}).removed == std::vector<int>{1, 6};
     }
@@ -71,7 +67,7 @@ TEST(OrpeCalibrated, GivesTheOraclesPoseWhenItFindsTheOutlier) {
     s.problem.sigma_px = 0.5;
     const int outlier = draw.index(8);
     add_outlier(s.problem, outlier, 30, draw);
-    const PoseEstimate estimate = solve(s.problem);
+    const PoseEstimate estimate = solve("orpe_calibrated", s.problem);
     const PoseEstimate oracle = find_pose_solver("oracle")->solve(s.problem, {});
     ASSERT_EQ(estimate.status, PoseStatus::kOk);
     EXPECT_FALSE(is_test_failed(estimate));
@@ -90,7 +86,7 @@ TEST(OrpeCalibrated, RemovesNoMoreThanItMay) {
     for (const int most : {0, 1, 2, 3}) {
       SolverOptions options;
       options.outliers.max_removed = most;
-      const PoseEstimate estimate = solve(s.problem, options);
+      const PoseEstimate estimate = solve("orpe_calibrated", s.problem, options);
       EXPECT_LE(estimate.removed.size(), static_cast<std::size_t>(most));
       EXPECT_TRUE(std::ranges::is_sorted(estimate.removed));
       EXPECT_TRUE(is_free_of_nan(estimate));
@@ -107,11 +103,11 @@ TEST(OrpeCalibrated, SaysWhenWhatIsKeptIsNoNoise) {
     s.problem.sigma_px = 0.3;
     add_outlier(s.problem, 0, 30, draw);
     add_outlier(s.problem, 7, 30, draw);
-    EXPECT_TRUE(is_test_failed(solve(s.problem, one)));
+    EXPECT_TRUE(is_test_failed(solve("orpe_calibrated", s.problem, one)));
     s.problem.sigma_px = 0;  // nothing to compare with, and nothing is said
     SolverOptions unjudged = one;
     unjudged.is_judged = false;
-    EXPECT_FALSE(solve(s.problem, unjudged).diagnosis.value().is_test_failed);
+    EXPECT_FALSE(solve("orpe_calibrated", s.problem, unjudged).diagnosis.value().is_test_failed);
   }
 }
 
@@ -122,9 +118,9 @@ TEST(OrpeCalibrated, FindsOutliersAmongExactPoints) {
     for (int i = 0; i < 50; ++i) {
       Synthetic s = cube_problem(0, draw);
       s.problem.sigma_px = known_sigma_px;
-      EXPECT_THAT(solve(s.problem).removed, IsEmpty());
+      EXPECT_THAT(solve("orpe_calibrated", s.problem).removed, IsEmpty());
       add_outlier(s.problem, 2, 20, draw);
-      const PoseEstimate estimate = solve(s.problem);
+      const PoseEstimate estimate = solve("orpe_calibrated", s.problem);
       if (estimate.removed != std::vector<int>{2}) continue;
       ++found;
       EXPECT_TRUE(is_pose_near(estimate.cam_from_target, s.cam_from_target, 1e-8, 1e-5));
@@ -138,7 +134,7 @@ TEST(OrpeCalibrated, NoiseThatIsNoNumberSaysSo) {
   PoseProblem problem = cube_problem(1, draw).problem;
   for (const double bad : {-1.0, kNaN, kInfinity}) {
     problem.sigma_px = bad;
-    const PoseEstimate estimate = solve(problem);
+    const PoseEstimate estimate = solve("orpe_calibrated", problem);
     EXPECT_EQ(estimate.status, PoseStatus::kDegenerate);
     EXPECT_TRUE(is_free_of_nan(estimate));
   }
@@ -150,7 +146,7 @@ TEST(OrpeCalibrated, KeepsAPointWithoutWhichTheOthersAreCollinear) {
                               {{-1, 0, 0}, {-0.3, 0, 0}, {0.4, 0, 0}, {1, 0, 0}, {0, 1, 0.2}},
                               {draw.rotation_by(0.5), {0, 0, 50}});
   add_outlier(s.problem, 4, 30, draw);
-  const PoseEstimate estimate = solve(s.problem);
+  const PoseEstimate estimate = solve("orpe_calibrated", s.problem);
   EXPECT_TRUE(is_free_of_nan(estimate));
   EXPECT_FALSE(std::ranges::count(estimate.removed, 4));
 }

@@ -24,10 +24,6 @@ using testing::IsEmpty;
 
 constexpr double kRate = 0.01;  ///< the default false-alarm rate
 
-PoseEstimate solve(const PoseProblem& problem, const SolverOptions& options = {}) {
-  return find_pose_solver("orpe_tree")->solve(problem, options);
-}
-
 double minimax_px2(const Correspondences& c, const std::vector<int>& kept, const Pose& start) {
   const Minimax m = minimax({c, kept, {}}, {&start, 1}, {});
   return m.status == PoseStatus::kOk ? m.largest_px2 : kInfinity;
@@ -85,7 +81,7 @@ TEST(OrpeTree, RemovesAsFewAsTryingEverySet) {
 
     const int most = (n - 1) / 2;
     const BruteForce expected = brute_force(s, most);
-    const PoseEstimate estimate = solve(s.problem);
+    const PoseEstimate estimate = solve("orpe_tree", s.problem);
     ASSERT_EQ(estimate.status, PoseStatus::kOk);
     EXPECT_EQ(is_test_failed(estimate), expected.removals < 0) << i;
     if (expected.removals < 0) continue;
@@ -107,7 +103,7 @@ TEST(OrpeTree, LosesAGoodPointAsOftenAsStated) {
     for (int i = 0; i < kTrials; ++i) {
       Synthetic s = cube_problem(1, draw);
       s.problem.sigma_px = 1;
-      removed += !solve(s.problem, options).removed.empty();
+      removed += !solve("orpe_tree", s.problem, options).removed.empty();
     }
     const double sd = std::sqrt(rate / kTrials);
     // A cube's quantiles are a tenth below those of points in a box.
@@ -124,7 +120,7 @@ TEST(OrpeTree, FindsUpToThreeOfEight) {
       Synthetic s = cube_problem(0.5, draw);
       s.problem.sigma_px = 0.5;
       for (int k = 0; k < outliers; ++k) add_outlier(s.problem, 2 * k, draw.uniform(15, 30), draw);
-      const PoseEstimate estimate = solve(s.problem);
+      const PoseEstimate estimate = solve("orpe_tree", s.problem);
       const PoseEstimate oracle = find_pose_solver("oracle")->solve(s.problem, {});
       if (estimate.removed != oracle.removed) continue;
       ++found;
@@ -144,9 +140,9 @@ TEST(OrpeTree, SaysWhenNoSetItMayTryPasses) {
     Synthetic s = cube_problem(0.3, draw);
     s.problem.sigma_px = 0.3;
     add_outlier(s.problem, 0, 30, draw);
-    EXPECT_FALSE(is_test_failed(solve(s.problem, one)));
+    EXPECT_FALSE(is_test_failed(solve("orpe_tree", s.problem, one)));
     add_outlier(s.problem, 7, 30, draw);
-    const PoseEstimate estimate = solve(s.problem, one);
+    const PoseEstimate estimate = solve("orpe_tree", s.problem, one);
     EXPECT_TRUE(is_test_failed(estimate));
     EXPECT_TRUE(is_removal_limit_reached(estimate));
     EXPECT_LE(estimate.removed.size(), 1u);
@@ -162,9 +158,9 @@ TEST(OrpeTree, EstimatesNoiseThatIsNotKnown) {
     int kept_all = 0;
     for (int i = 0; i < kTrials; ++i) {
       Synthetic s = cube_problem(sigma_px, draw);
-      kept_all += solve(s.problem).removed.empty();
+      kept_all += solve("orpe_tree", s.problem).removed.empty();
       add_outlier(s.problem, 3, draw.uniform(15, 30), draw);
-      found += solve(s.problem).removed == std::vector<int>{3};
+      found += solve("orpe_tree", s.problem).removed == std::vector<int>{3};
     }
     EXPECT_GE(found, 0.95 * kTrials) << sigma_px;
     EXPECT_GE(kept_all, 0.95 * kTrials) << sigma_px;
@@ -178,10 +174,10 @@ TEST(OrpeTree, AWideCovarianceExcusesAPoint) {
     s.problem.sigma_px = 100;  // not looked at where there are covariances
     s.problem.covariances_px2.assign(8, 0.25 * Eigen::Matrix2d::Identity());
     add_outlier(s.problem, 4, 30, draw);
-    EXPECT_THAT(solve(s.problem).removed, ElementsAre(4));
+    EXPECT_THAT(solve("orpe_tree", s.problem).removed, ElementsAre(4));
 
     s.problem.covariances_px2[4] = 900 * Eigen::Matrix2d::Identity();
-    const PoseEstimate excused = solve(s.problem);
+    const PoseEstimate excused = solve("orpe_tree", s.problem);
     ASSERT_EQ(excused.status, PoseStatus::kOk);
     EXPECT_THAT(excused.removed, IsEmpty());
     // It has next to no weight.
@@ -195,21 +191,21 @@ TEST(OrpeTree, CovariancesThatAreNoneSaySo) {
   Draw draw(7);
   PoseProblem problem = cube_problem(1, draw).problem;
   problem.covariances_px2.assign(8, Eigen::Matrix2d::Identity());
-  EXPECT_EQ(solve(problem).status, PoseStatus::kOk);
+  EXPECT_EQ(solve("orpe_tree", problem).status, PoseStatus::kOk);
 
   problem.covariances_px2.pop_back();
-  EXPECT_EQ(solve(problem).status, PoseStatus::kTooFewPoints);
+  EXPECT_EQ(solve("orpe_tree", problem).status, PoseStatus::kTooFewPoints);
   for (const double bad : {0.0, -1.0, kNaN, kInfinity}) {
     problem.covariances_px2.assign(8, Eigen::Matrix2d::Identity());
     problem.covariances_px2[5](1, 1) = bad;
     EXPECT_EQ(find_pose_solver("orpe_tree")->core(problem, {}).status, PoseStatus::kDegenerate);
-    const PoseEstimate estimate = solve(problem);
+    const PoseEstimate estimate = solve("orpe_tree", problem);
     EXPECT_EQ(estimate.ignored, std::vector{5}) << bad;
     EXPECT_TRUE(is_free_of_nan(estimate));
   }
   problem.covariances_px2.clear();
   problem.sigma_px = -1;
-  EXPECT_EQ(solve(problem).status, PoseStatus::kDegenerate);
+  EXPECT_EQ(solve("orpe_tree", problem).status, PoseStatus::kDegenerate);
 }
 
 // Five points near a plane, as an aircraft's, have two mirror poses; an outlier may favour the
@@ -228,7 +224,7 @@ TEST(OrpeTree, BothMirrorStartsHaveATree) {
     add_noise(s.problem, 0.05, draw);
     s.problem.sigma_px = 0.05;
     add_outlier(s.problem, draw.index(8), draw.uniform(15, 30), draw);
-    const PoseEstimate estimate = solve(s.problem);
+    const PoseEstimate estimate = solve("orpe_tree", s.problem);
     right +=
         estimate.status == PoseStatus::kOk &&
         geodesic_angle_rad(estimate.cam_from_target.rotation, s.cam_from_target.rotation) < 0.02;

@@ -15,7 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kDegreeRad = std::numbers::pi / 180;
 
 TEST(Poses, ATiltIsTheAngleBetweenTheZAxes) {
   const TomlTable table = TomlTable::read_text(kCubeScene + "[light]\n", "scene.toml",
@@ -24,7 +24,7 @@ TEST(Poses, ATiltIsTheAngleBetweenTheZAxes) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (int i = 0; i < 500; ++i) {
     const Eigen::Matrix3d rotation = draw_scene(law, 0, 7, i).scene.cam_from_target.rotation;
-    EXPECT_NEAR(rotation(2, 2), std::cos(30 * kDegree), 1e-12);
+    EXPECT_NEAR(rotation(2, 2), std::cos(30 * kDegreeRad), 1e-12);
     EXPECT_NEAR((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm(), 0, 1e-12);
     sum += rotation.col(2) / 500;
   }

@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "registration/edge_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "pose/angles.h"
+#include "registration/edges.h"
+#include "registration/registration.h"
+#include "tests/registration/scenes_for_registration.h"
+
+namespace sightline {
+namespace {
+
+// The brick with every side printed: squares of eight greys, which no light explains.
+Mesh printed_brick() {
+  constexpr int kSquares = 6;
+  const Mesh plain = brick();
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i) mesh.parts.push_back({"print", 0.1 + 0.1 * i});
+  RandomStream greys(5, "print", 0);
+  for (size_t side = 0; side < plain.triangles.size(); side += 2) {
+    const auto& v = plain.triangles[side].vertex;
+    const Eigen::Vector3d corner = plain.vertices[static_cast<size_t>(v[0])];
+    const Eigen::Vector3d right = (plain.vertices[static_cast<size_t>(v[1])] - corner) / kSquares;
+    const Eigen::Vector3d up =
+        (plain.vertices[static_cast<size_t>(v[2])] - corner) / kSquares - right;
+    for (int k = 0; k < kSquares * kSquares; ++k) {
+      const Eigen::Vector3d low = corner + (k % kSquares) * right + (k / kSquares) * up;
+      const int at = static_cast<int>(mesh.vertices.size());
+      const int part = static_cast<int>(greys.uniform(0, 8));
+      mesh.vertices.insert(mesh.vertices.end(), {low, low + right, low + right + up, low + up});
+      mesh.triangles.push_back({.vertex = {at, at + 1, at + 2}, .part = part});
+      mesh.triangles.push_back({.vertex = {at, at + 2, at + 3}, .part = part});
+    }
+  }
+  compute_corner_normals(mesh, 0.1);
+  return mesh;
+}
+
+constexpr PriorError kPrior{.attitude_deg = 2, .range_fraction = 0.01, .lateral_px = 3};
+
+// A picture of the printed brick, and a prior.
+struct Photograph {
+  explicit Photograph(uint64_t draw = 0) : scene(brick_scene()) {
+    scene.target = target_of(printed_brick());
+    frame = Renderer().render(scene, RandomStream(1, "sensor", draw));
+    RandomStream stream(1, "prior", draw);
+    prior = prior_of(draw_prior(scene.cam_from_target, scene.camera, kPrior, stream), scene.camera,
+                     kPrior);
+  }
+
+  Scene scene;
+  Frame frame;
+  PosePrior prior;
+};
+
+double error_deg(const Pose& found, const Scene& scene) {
+  return geodesic_angle_rad(found.rotation, scene.cam_from_target.rotation) / kDegree;
+}
+
+// Some 130 px of brick and 500 px of edges, each found to half a pixel.
+constexpr double kFoundDeg = 0.4;
+
+double distance_to_an_edge_m(const Eigen::Vector3d& point) {
+  // On a brick's edge two of three coordinates are at their ends.
+  const Eigen::Vector3d half(0.5, 0.35, 0.25);
+  Eigen::Vector3d off = (point.cwiseAbs() - half).cwiseAbs();
+  std::sort(off.begin(), off.end());
+  return off.head<2>().norm();
+}
+
+TEST(EdgePoints, LieOnOutlineAndCreases) {
+  for (const double k1 : {0.0, -0.3}) {
+    Scene scene = brick_scene();
+    scene.camera.distortion.k1 = k1;
+    const Mesh mesh = brick();
+    BasisDrawer drawer(mesh, scene.camera);
+    BasisOptions options;
+    options.margin_px = 2;
+    const auto images = drawer.draw(scene.cam_from_target, options);
+    ASSERT_TRUE(images);
+    const auto points = edge_points(*images, scene.camera, scene.cam_from_target);
+    constexpr double kPixelM = 10.0 / 1300;
+    // Where edges meet, half a dozen points lie on neither; no others are off by half a pixel.
+    const auto far = std::count_if(points.begin(), points.end(), [&](const EdgePoint& point) {
+      return distance_to_an_edge_m(point.in_target_m) > kPixelM;
+    });
+    const auto outline = std::count_if(points.begin(), points.end(),
+                                       [](const EdgePoint& point) { return point.is_outline; });
+    EXPECT_GT(outline, 200);
+    EXPECT_GT(static_cast<std::ptrdiff_t>(points.size()) - outline, 100) << "three creases";
+    EXPECT_LT(far, static_cast<std::ptrdiff_t>(points.size()) / 20);
+  }
+}
+
+TEST(EdgeFit, FindsAPrintedBrick) {
+  const Mesh mesh = brick();
+  for (uint64_t draw = 0; draw < 3; ++draw) {
+    const Photograph seen(draw);
+    const GreyImage image = grey_image(seen.frame.image, 255, false, seen.scene.camera);
+    const auto fit = fit_edges(image, mesh, seen.prior);
+    ASSERT_TRUE(fit);
+    EXPECT_LT(error_deg(fit->cam_from_target, seen.scene), kFoundDeg);
+    EXPECT_GT(fit->contrast, 3);
+    const auto again = fit_edges(image, mesh, seen.prior);
+    EXPECT_EQ(again->cam_from_target.rotation, fit->cam_from_target.rotation);
+    PosePrior aside = seen.prior;
+    aside.covariance /= 100;
+    aside.cam_from_target.rotation =
+        rotation_from_vector({0, 0, 0.35}) * aside.cam_from_target.rotation;
+    EXPECT_LT(fit_edges(image, mesh, aside)->contrast, 3) << "turned by 20 degrees";
+  }
+}
+
+TEST(EdgeFit, NeedsEdges) {
+  const Photograph seen;
+  const GreyImage image = grey_image(seen.frame.image, 255, false, seen.scene.camera);
+  PosePrior far = seen.prior;
+  far.cam_from_target.translation.z() *= 40;
+  EXPECT_FALSE(fit_edges(image, brick(), far));
+}
+
+TEST(Registration, StandsPrintedFaces) {
+  const Mesh mesh = brick();
+  for (uint64_t draw = 0; draw < 2; ++draw) {
+    const Photograph seen(draw);
+    const RegistrationTask task{mesh, seen.scene.camera, seen.frame.image, 255, seen.prior, {}};
+    const Registration found = register_mesh(task, {});
+    ASSERT_TRUE(found.is_ok()) << found.reason;
+    EXPECT_LT(error_deg(found.cam_from_target, seen.scene), kFoundDeg);
+  }
+}
+
+TEST(Registration, DoesNotTrustPrintWithoutTheTarget) {
+  const Mesh mesh = brick();
+  const Photograph seen;
+  cv::Mat print(seen.frame.image.size(), CV_8U);
+  RandomStream greys(9, "print", 0);
+  for (int y = 0; y < print.rows; y += 16) {
+    for (int x = 0; x < print.cols; x += 16) {
+      print(cv::Rect(x, y, 16, 16)).setTo(greys.uniform(20, 220));
+    }
+  }
+  const RegistrationTask task{mesh, seen.scene.camera, print, 255, seen.prior, {}};
+  EXPECT_EQ(register_mesh(task, {}).status, RegistrationStatus::kNotTrusted);
+}
+
+}  // namespace
+}  // namespace sightline
