@@ -6,19 +6,15 @@
 
 #include <Eigen/Core>
 
+#include "pose/lenses/lens.h"
+
 namespace sightline {
 
-/// Lens distortion after Brown (1966) and Conrady (1919), with the coefficients and signs of
-/// OpenCV: x_d = x (1 + k1 r2 + k2 r4 + k3 r6) + 2 p1 x y + p2 (r2 + 2 x2), and alike for y.
-struct BrownConrady {
-  double k1 = 0, k2 = 0, p1 = 0, p2 = 0, k3 = 0;
-
-  bool is_zero() const { return k1 == 0 && k2 == 0 && p1 == 0 && p2 == 0 && k3 == 0; }
-};
-
-/// A pinhole camera with lens distortion. Camera frame: x right, y down, z forward, metres.
-/// Pixel centres are at integer coordinates: (0, 0) is the centre of the top-left pixel, the image
-/// covers [-0.5, width - 0.5] x [-0.5, height - 0.5], and a centred principal point is
+/// A camera with a lens. A ray (x/z, y/z) meets the image at (a, b) = distorted(lens, ray), which
+/// is the pixel (fx a + skew b + cx, fy b + cy); the principal point (cx, cy) may lie anywhere,
+/// also off the image. Camera frame: x right, y down, z forward, metres. Pixel centres are at
+/// integer coordinates: (0, 0) is the centre of the top-left pixel, the image covers [-0.5, width -
+/// 0.5] x [-0.5, height - 0.5], and a centred principal point is
 /// ((width - 1) / 2, (height - 1) / 2).
 struct Camera {
   int width_px = 512;
@@ -27,20 +23,23 @@ struct Camera {
   double fy_px = 10000;
   double cx_px = 255.5;
   double cy_px = 255.5;
-  BrownConrady distortion;
+  double skew_px = 0;  ///< of the pixel's rows: nearly always 0
+  Lens lens;
 };
 
 /// A distortion-free camera with square pixels and a centred principal point.
 Camera centred_camera(int width_px, int height_px, double focal_px);
 
-/// Where the lens puts the ray (x/z, y/z), still in normalised coordinates.
-Eigen::Vector2d distorted(const BrownConrady& lens, const Eigen::Vector2d& normalised);
+/// True of a camera whose pixels are (fx x/z + cx, fy y/z + cy): it has neither lens nor skew.
+inline bool is_straight(const Camera& camera) {
+  return camera.skew_px == 0 && is_pinhole(camera.lens);
+}
 
-/// The derivative of `distorted`. Its determinant is positive wherever the lens can be undone.
-Eigen::Matrix2d distortion_jacobian(const BrownConrady& lens, const Eigen::Vector2d& normalised);
+/// The pixel of a ray (x/z, y/z).
+Eigen::Vector2d pixel_from_normalised(const Camera& camera, const Eigen::Vector2d& normalised);
 
-/// The derivative of the pixel by the pixel that the camera would see without its lens, at a point
-/// (x/z, y/z) without it.
+/// The derivative of the pixel by the pixel (fx x/z + cx, fy y/z + cy) that the camera would see
+/// without lens and skew, at a point (x/z, y/z) without them.
 Eigen::Matrix2d lens_jacobian(const Camera& camera, const Eigen::Vector2d& normalised);
 
 /// The pixel of a point; none for a point at or behind the camera's plane (z <= 0).
@@ -48,8 +47,8 @@ Eigen::Matrix2d lens_jacobian(const Camera& camera, const Eigen::Vector2d& norma
 std::optional<Eigen::Vector2d> project(const Camera& camera, const Eigen::Vector3d& x_in_cam);
 
 /// (x/z, y/z) of the ray through a pixel: the inverse of project up to depth.
-/// None where the distortion has no inverse: Newton's iteration, begun at the distorted point,
-/// meets a fold of the lens model or does not converge. None for a pixel that is not finite.
+/// None where the lens cannot be undone (see the models): the ray would lie beyond a fold of the
+/// model, or at 90 degrees to the axis or more. None for a pixel that is not finite.
 std::optional<Eigen::Vector2d> normalised_from_pixel(const Camera& camera,
                                                      const Eigen::Vector2d& pixel);
 

@@ -63,12 +63,12 @@ PreparedProblem prepare(const PoseProblem& problem) {
   c.points_in_centred.reserve(n);
   c.pixels.reserve(n);
   const Eigen::Vector2d principal_point(problem.camera.cx_px, problem.camera.cy_px);
-  const bool has_lens = !problem.camera.distortion.is_zero();
+  const bool is_bent = !is_straight(problem.camera);
   for (std::size_t i = 0; i < n; ++i) {
     c.points_in_centred.push_back(problem.points_in_target[i] - c.centroid_in_target);
     Eigen::Vector2d pixel = problem.pixels[i] - principal_point;
     if (!pixel.allFinite()) return prepared;
-    if (has_lens) {
+    if (is_bent) {
       const auto ray = normalised_from_pixel(problem.camera, problem.pixels[i]);
       if (!ray) return prepared;
       pixel = {c.fx_px * ray->x(), c.fy_px * ray->y()};

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::array kCatalogue = {
     PoseSolver{"consensus", "any number of points, any share of outliers, any start", false,
-               solve_consensus, 0, true},
+               solve_consensus, 0, true, true},
     PoseSolver{"lspe", "least squares on all points", false, solve_lspe},
     PoseSolver{"orpe", "minimax with removal of outliers, as the paper prints it", false,
                solve_orpe},

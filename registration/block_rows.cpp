@@ -78,7 +78,7 @@ class ColumnWriter {
   Eigen::Vector3d by_point(const Eigen::Vector3d& point, const Eigen::Vector2d& by_pixel) const {
     const double u = point.x() / point.z(), v = point.y() / point.z();
     Eigen::Vector2d by_ray(by_pixel.x(), by_pixel.y());
-    if (!camera_.distortion.is_zero()) {
+    if (!is_straight(camera_)) {
       by_ray = lens_jacobian(camera_, {u, v}).transpose() * by_ray;
     }
     const double gx = by_ray.x() * camera_.fx_px / point.z();

@@ -213,7 +213,9 @@ Matrix6d Fitter::camera_term(const FitLevel& level) {
   });
   add(errors.principal_point_px, [](Camera& camera, double sd) { camera.cx_px += sd; });
   add(errors.principal_point_px, [](Camera& camera, double sd) { camera.cy_px += sd; });
-  add(errors.k1, [](Camera& camera, double sd) { camera.distortion.k1 += sd; });
+  add(errors.k1, [](Camera& camera, double sd) {
+    std::visit([sd](auto& lens) { lens.k1 += sd; }, camera.lens);
+  });
   return sum;
 }
 

@@ -42,6 +42,7 @@ GreyImage shrunk(const GreyImage& image, int factor) {
   camera.height_px = image.grey.rows / factor;
   camera.fx_px /= factor;
   camera.fy_px /= factor;
+  camera.skew_px /= factor;
   // The centre of the first large pixel is that of the block that it covers.
   camera.cx_px = (camera.cx_px - (factor - 1) / 2.0) / factor;
   camera.cy_px = (camera.cy_px - (factor - 1) / 2.0) / factor;

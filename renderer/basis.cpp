@@ -46,7 +46,7 @@ class BasisDrawer::PixelSums {
   void add(int x, int y, const uint32_t* ids, const cv::Point& at, BasisImages& images) {
     Eigen::Vector2d centre = screen_.normalised({static_cast<double>(x), static_cast<double>(y)});
     Eigen::Matrix2d per_pixel = Eigen::Vector2d(1 / camera_.fx_px, 1 / camera_.fy_px).asDiagonal();
-    if (!camera_.distortion.is_zero()) per_pixel *= lens_jacobian(camera_, centre).inverse();
+    if (!is_straight(camera_)) per_pixel *= lens_jacobian(camera_, centre).inverse();
     count(ids);
     int covered = 0;
     double albedo = 0;

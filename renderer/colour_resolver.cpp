@@ -53,7 +53,7 @@ void ColourResolver::enter_pixel(int x, int y) {
   known_ = 0;
   centre_ = screen_.normalised({static_cast<double>(x), static_cast<double>(y)});
   per_pixel_ = Eigen::Vector2d(1 / camera_.fx_px, 1 / camera_.fy_px).asDiagonal();
-  if (camera_.distortion.is_zero()) return;
+  if (is_straight(camera_)) return;
   // Within a pixel the lens is its derivative: off by some 1e-4 px.
   per_pixel_ = per_pixel_ * lens_jacobian(camera_, centre_).inverse();
 }

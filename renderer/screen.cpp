@@ -5,31 +5,27 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
-
-#include <Eigen/LU>
+#include <variant>
 
 namespace sightline {
 namespace {
 
 constexpr int kMaxCuts = 40;  // of one triangle, in succession: each halves an edge
 
-// The smallest radius at which the lens model folds, within `limit`.
-double fold_radius(const BrownConrady& lens, double limit) {
-  constexpr int kDirections = 64;
-  constexpr int kSteps = 2000;
-  double radius = limit;
-  for (int i = 0; i < kDirections; ++i) {
-    const double angle = 2 * std::numbers::pi * i / kDirections;
-    const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
-    for (int step = 1; step <= kSteps; ++step) {
-      const double r = limit * step / kSteps;
-      if (r >= radius) break;
-      if (distortion_jacobian(lens, r * direction).determinant() <= 0) radius = r;
-    }
-  }
-  return radius;
+// Farther out than this no lens that turns rays (a fisheye) is drawn: 89.9 degrees.
+constexpr double kFarthestNormalised = 573;
+
+// Twice what the canvas would show without its lens: models that bend the image alone are of no use
+// farther out. The others end where rays do.
+double farthest_normalised(const Camera& camera, const PixelBox& canvas) {
+  if (std::holds_alternative<KannalaBrandt>(camera.lens)) return kFarthestNormalised;
+  const Eigen::Array2d focal(camera.fx_px, camera.fy_px);
+  const Eigen::Array2d centre(camera.cx_px, camera.cy_px);
+  const Eigen::Array2d low(canvas.left - 0.5, canvas.top - 0.5);
+  const Eigen::Array2d high(canvas.right - 0.5, canvas.bottom - 0.5);
+  const Eigen::Array2d reach = ((low - centre) / focal).abs().max(((high - centre) / focal).abs());
+  return 2 * reach.matrix().norm();
 }
 
 }  // namespace
@@ -42,14 +38,13 @@ struct Screen::LensPoint {
 
 Screen::Screen(const Camera& camera, const PixelBox& canvas, double reference_m)
     : camera_(camera), canvas_(canvas), reference_m_(reference_m) {
-  if (camera.distortion.is_zero()) return;
-  // Twice what the canvas would show without its lens: models are of no use farther out.
-  const Eigen::Array2d focal(camera.fx_px, camera.fy_px);
-  const Eigen::Array2d centre(camera.cx_px, camera.cy_px);
+  if (is_straight(camera)) return;
+  if (std::holds_alternative<KannalaBrandt>(camera.lens)) {
+    max_chord_error_px_ = kMaxFisheyeChordErrorPx;
+  }
   const Eigen::Array2d low(canvas.left - 0.5, canvas.top - 0.5);
   const Eigen::Array2d high(canvas.right - 0.5, canvas.bottom - 0.5);
-  const Eigen::Array2d reach = ((low - centre) / focal).abs().max(((high - centre) / focal).abs());
-  fold_radius_ = fold_radius(camera.distortion, 2 * reach.matrix().norm());
+  fold_radius_ = fold_radius(camera.lens, farthest_normalised(camera, canvas));
   min_normalised_.setConstant(std::numeric_limits<double>::infinity());
   max_normalised_ = -min_normalised_;
   constexpr int kStepsPerSide = 64;
@@ -75,15 +70,12 @@ Screen::Screen(const Camera& camera, const PixelBox& canvas, double reference_m)
 Eigen::Vector2d Screen::normalised(const Eigen::Vector2d& pixel) const {
   const Eigen::Vector2d straight((pixel.x() - camera_.cx_px) / camera_.fx_px,
                                  (pixel.y() - camera_.cy_px) / camera_.fy_px);
-  if (camera_.distortion.is_zero()) return straight;
+  if (is_straight(camera_)) return straight;
   return normalised_from_pixel(camera_, pixel).value_or(straight);
 }
 
 Screen::LensPoint Screen::through_lens(const Eigen::Vector2d& normalised, double nearness) const {
-  const Eigen::Vector2d bent = distorted(camera_.distortion, normalised);
-  return {normalised,
-          {camera_.fx_px * bent.x() + camera_.cx_px, camera_.fy_px * bent.y() + camera_.cy_px},
-          nearness};
+  return {normalised, pixel_from_normalised(camera_, normalised), nearness};
 }
 
 double Screen::chord_error_px(const LensPoint& a, const LensPoint& b) const {
@@ -114,7 +106,7 @@ void Screen::append_bent(const LensPoint& a, const LensPoint& b, const LensPoint
   if (nearest.norm() >= fold_radius_) return;
   const double errors[3] = {chord_error_px(a, b), chord_error_px(b, c), chord_error_px(c, a)};
   const int worst = static_cast<int>(std::max_element(errors, errors + 3) - errors);
-  if (errors[worst] <= kMaxChordErrorPx || depth == kMaxCuts) {
+  if (errors[worst] <= max_chord_error_px_ || depth == kMaxCuts) {
     for (const LensPoint* p : {&a, &b, &c}) {
       if (p->normalised.norm() >= fold_radius_) return;
     }
@@ -137,7 +129,7 @@ void Screen::append_bent(const LensPoint& a, const LensPoint& b, const LensPoint
 
 void Screen::append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_id,
                     std::vector<ScreenTriangle>& triangles) const {
-  const bool is_bent = !camera_.distortion.is_zero();
+  const bool is_bent = !is_straight(camera_);
   std::vector<ScreenPoint> straight(is_bent ? 0 : mesh.vertices.size());
   std::vector<LensPoint> bent(is_bent ? mesh.vertices.size() : 0);
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {

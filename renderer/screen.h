@@ -14,13 +14,15 @@ namespace sightline {
 
 /// A curved edge is drawn as chords that leave it by less than this, px.
 constexpr double kMaxChordErrorPx = 5e-4;
+/// The same through a fisheye, which bends everything, so that its pieces are many.
+constexpr double kMaxFisheyeChordErrorPx = 2e-3;
 
 /// Puts meshes on the image plane of a camera, through its lens.
 ///
 /// A lens bends straight edges: triangles are cut until the chords of their edges leave the true
-/// curves by less than kMaxChordErrorPx (their insides by 4/3 of that), each vertex distorted in
-/// double precision. What lies beyond the fold of the lens model, where two rays would fall on one
-/// pixel, is not drawn.
+/// curves by less than kMaxChordErrorPx, of a fisheye kMaxFisheyeChordErrorPx (their insides by 4/3
+/// of that), each vertex distorted in double precision. What lies beyond the fold of the lens
+/// model, where two rays would fall on one pixel, is not drawn.
 class Screen {
  public:
   /// `canvas`: the pixels to be drawn, which may reach beyond the image's. `reference_m`: a depth
@@ -48,6 +50,7 @@ class Screen {
   Camera camera_;
   PixelBox canvas_;
   double reference_m_;
+  double max_chord_error_px_ = kMaxChordErrorPx;
   double fold_radius_ = 0;                           // of the lens model, normalised
   Eigen::Vector2d min_normalised_, max_normalised_;  // of what the canvas sees
 };

@@ -71,7 +71,8 @@ const Rooms kPythonRooms = {{"module", {}}};
 
 const Rooms kScenesRooms = {
     {"builders", {"files", "mesh", "target"}},
-    {"scene", {"files", "mesh", "picture", "random", "target"}},
+    {"camera", {"files"}},
+    {"scene", {"camera", "files", "mesh", "picture", "random", "target"}},
     {"target", {"files", "mesh"}},
     {"mesh", {"files", "picture"}},
     {"picture", {}},
@@ -85,10 +86,11 @@ const std::string kTop = ".";
 const Rooms kPoseRooms = {
     {"entry", {"solvers", "consensus", kTop}},
     {"solvers", {"consensus", kTop, "kernels"}},
-    {"consensus", {kTop, "kernels"}},
+    {"consensus", {kTop, "kernels", "lenses"}},
     {"orientation", {kTop, "kernels"}},
-    {kTop, {"kernels"}},
+    {kTop, {"kernels", "lenses"}},
     {"kernels", {}},
+    {"lenses", {}},
 };
 
 /// The lists of solvers and methods, which name what stands in the rooms above them.
@@ -99,9 +101,9 @@ const std::map<std::string, std::string> kCatalogues = {
 };
 
 // Libraries that are slow to compile or tied to a platform: only .cpp files may name them.
-const std::vector<std::string> kHeavy = {"osmesa.h", "assimp/",  "CGAL/",     "tiny_gltf", "SQLite",
-                                         "toml++",   "mustache", "Random123", "pugixml",
-                                         "png.h",    "tiffio",   "turbojpeg", "webp/",  "stb/"};
+const std::vector<std::string> kHeavy = {
+    "osmesa.h",  "assimp/", "CGAL/", "tiny_gltf", "SQLite",    "toml++", "mustache",
+    "Random123", "pugixml", "png.h", "tiffio",    "turbojpeg", "webp/",  "stb/"};
 
 struct Include {
   fs::path file;

@@ -62,15 +62,17 @@ std::optional<Eigen::Matrix3d> usable_rotation(const Eigen::Quaterniond& quatern
 Camera camera_from_matrix(const Eigen::Matrix3d& k) {
   const bool has_focus = k(0, 0) > 0 && k(1, 1) > 0 && k.allFinite();
   Eigen::Matrix3d rest = k - Eigen::Matrix3d::Identity();
-  rest(0, 0) = rest(1, 1) = rest(0, 2) = rest(1, 2) = 0;
+  rest(0, 0) = rest(1, 1) = rest(0, 1) = rest(0, 2) = rest(1, 2) = 0;
   if (!has_focus || rest.cwiseAbs().maxCoeff() > kSkewTolerance * std::max(1.0, k(0, 0))) {
-    throw InputError("must be fx 0 cx, 0 fy cy, 0 0 1 with focal lengths above 0");
+    throw InputError("must be fx s cx, 0 fy cy, 0 0 1 with focal lengths above 0");
   }
   Camera camera;
   camera.fx_px = k(0, 0);
   camera.fy_px = k(1, 1);
   camera.cx_px = k(0, 2);
   camera.cy_px = k(1, 2);
+  // Less is rounding.
+  if (std::abs(k(0, 1)) > kSkewTolerance * std::max(1.0, k(0, 0))) camera.skew_px = k(0, 1);
   return camera;
 }
 

@@ -44,7 +44,7 @@ std::optional<Eigen::Matrix3d> usable_rotation(const Eigen::Matrix3d& matrix);
 /// within what those leave (1e-2).
 std::optional<Eigen::Matrix3d> usable_rotation(const Eigen::Quaterniond& quaternion);
 
-/// A camera without size from its matrix (fx 0 cx, 0 fy cy, 0 0 1), pixel centres at integers.
+/// A camera without size from its matrix (fx s cx, 0 fy cy, 0 0 1), pixel centres at integers.
 /// Throws InputError for what is no such matrix, and for skew, which ours has not.
 Camera camera_from_matrix(const Eigen::Matrix3d& k);
 

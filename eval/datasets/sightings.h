@@ -61,7 +61,7 @@ struct SightingSource {
   /// The poses are of the axes of the mesh's file instead of the target's.
   bool is_of_file_axes = false;
   double box_tolerance = 0.01;   ///< of the target's size, between its box and the set's
-  BrownConrady distortion;       ///< of BOP's cameras, which has no place for it
+  Lens lens;                     ///< of BOP's cameras, which has no place for it
   std::filesystem::path priors;  ///< a BOP results CSV; empty: none are given
 };
 

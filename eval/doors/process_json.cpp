@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "eval/doors/external_process.h"
+#include "pose/lenses/catalogue.h"
 
 namespace sightline {
 
@@ -18,18 +19,16 @@ Json question_about(const char* type, const TrialName& trial) {
 }
 
 Json json_of(const Camera& camera) {
-  const BrownConrady& lens = camera.distortion;
-  return {{"width_px", camera.width_px},
-          {"height_px", camera.height_px},
-          {"fx_px", camera.fx_px},
-          {"fy_px", camera.fy_px},
-          {"cx_px", camera.cx_px},
-          {"cy_px", camera.cy_px},
-          {"k1", lens.k1},
-          {"k2", lens.k2},
-          {"p1", lens.p1},
-          {"p2", lens.p2},
-          {"k3", lens.k3}};
+  const LensModel& model = model_of(camera.lens);
+  const std::vector<double> coefficients = coefficients_of(camera.lens);
+  Json json = {{"width_px", camera.width_px}, {"height_px", camera.height_px},
+               {"fx_px", camera.fx_px},       {"fy_px", camera.fy_px},
+               {"cx_px", camera.cx_px},       {"cy_px", camera.cy_px}};
+  // Whoever knows no other lens is told of the one that most cameras have as ever.
+  if (camera.skew_px != 0) json["skew_px"] = camera.skew_px;
+  if (!std::holds_alternative<BrownConrady>(camera.lens)) json["lens"] = model.name;
+  for (size_t i = 0; i < coefficients.size(); ++i) json[model.coefficients[i]] = coefficients[i];
+  return json;
 }
 
 Json json_of(const Pose& pose) {

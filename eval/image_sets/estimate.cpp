@@ -113,7 +113,7 @@ std::string warnings_of(const SetPlan& plan) {
   }
   text += notes_on_surfaces(plan);
   const Camera& camera = plan.images().setups.front().scene.camera;
-  if (!camera.distortion.is_zero() && !plan.format->lens_note.empty()) {
+  if (!is_pinhole(camera.lens) && !plan.format->lens_note.empty()) {
     text += fmt::format("warning: {}\n", plan.format->lens_note);
   }
   return text;

@@ -52,6 +52,7 @@ Camera finer(const Camera& camera, int factor) {
   fine.height_px *= factor;
   fine.fx_px *= factor;
   fine.fy_px *= factor;
+  fine.skew_px *= factor;
   fine.cx_px = (camera.cx_px + 0.5) * factor - 0.5;
   fine.cy_px = (camera.cy_px + 0.5) * factor - 0.5;
   return fine;

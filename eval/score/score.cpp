@@ -57,7 +57,7 @@ class Views {
                .fy_px = k_(1, 1),
                .cx_px = k_(0, 2),
                .cy_px = k_(1, 2),
-               .distortion = {}};
+               .lens = {}};
     test_mm_ = distances_of_depth(depth, k_);
   }
 

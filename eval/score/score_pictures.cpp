@@ -26,7 +26,7 @@ Camera camera_of(const BopImage& image, const cv::Size& size) {
           .fy_px = image.k(1, 1),
           .cx_px = image.k(0, 2),
           .cy_px = image.k(1, 2),
-          .distortion = {}};
+          .lens = {}};
 }
 
 cv::Rect box_of(const std::array<Outline, 2>& outlines) {

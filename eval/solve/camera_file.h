@@ -8,10 +8,10 @@
 
 namespace sightline {
 
-/// The camera of a calibration file: OpenCV's (.yaml, .yml, .json, .xml: camera_matrix,
-/// distortion_coefficients of up to five numbers, image_width, image_height; pixel centres at
-/// integers, as ours), or a .toml with the table [camera] of a scene. Throws InputError for a file
-/// that is neither, and for a lens that our model has not.
+/// The camera of a calibration file (OpenCV's, Kalibr's or COLMAP's:
+/// scenes/camera/calibration_file.h says what may stand in them), or of a .toml with the table
+/// [camera] of a scene. Throws InputError for a file that is none of these, and for a lens that is
+/// no model of ours.
 Camera read_camera_file(const std::filesystem::path& file);
 
 }  // namespace sightline

@@ -15,7 +15,7 @@ SightingSource read_source(const TomlTable& table) {
   SightingSource source;
   int bits = kMostBits;
   read_keys(table, dataset_keys(source, bits));
-  source.distortion = read_lens(table.table("camera"));
+  source.lens = read_lens(table.table("camera"));
   return source;
 }
 

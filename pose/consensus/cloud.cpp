@@ -50,10 +50,10 @@ std::optional<UsablePoint> usable_point(const PoseProblem& problem, std::size_t 
   p.x_in_target = problem.points_in_target[i];
   if (!is_manageable(p.x_in_target) || !problem.pixels[i].allFinite()) return std::nullopt;
   p.pixel = problem.pixels[i] - Eigen::Vector2d(camera.cx_px, camera.cy_px);
-  if (!camera.distortion.is_zero()) {
+  if (!is_straight(camera)) {
     const auto ray = normalised_from_pixel(camera, problem.pixels[i]);
     // Beyond two folds the lens model turns the image about, which no lens does.
-    if (!ray || !(distortion_jacobian(camera.distortion, *ray).trace() > 0)) return std::nullopt;
+    if (!ray || !(distortion_jacobian(camera.lens, *ray).trace() > 0)) return std::nullopt;
     p.pixel = {camera.fx_px * ray->x(), camera.fy_px * ray->y()};
   }
   if (!is_manageable(p.pixel)) return std::nullopt;

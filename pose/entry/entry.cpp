@@ -22,6 +22,7 @@
 #include "pose/entry/cleaning.h"
 #include "pose/entry/contest.h"
 #include "pose/entry/judgement.h"
+#include "pose/entry/lens_noise.h"
 #include "pose/entry/residuals.h"
 #include "pose/solver.h"
 #include "pose/solvers/solvers.h"
@@ -42,7 +43,8 @@ bool is_in_pixels(const Camera& camera) {
 
 PoseProblem scaled(PoseProblem problem, double scale) {
   Camera& camera = problem.camera;
-  for (double* value : {&camera.fx_px, &camera.fy_px, &camera.cx_px, &camera.cy_px}) {
+  for (double* value :
+       {&camera.fx_px, &camera.fy_px, &camera.cx_px, &camera.cy_px, &camera.skew_px}) {
     *value *= scale;
   }
   for (Eigen::Vector2d& pixel : problem.pixels) pixel *= scale;
@@ -190,6 +192,9 @@ PoseEstimate PoseSolver::solve(const PoseProblem& problem, const SolverOptions& 
   }
   if (!takes_any_input && !entry::is_in_pixels(problem.camera)) {
     return entry::answer_in_units(*this, problem, options);
+  }
+  if (entry::is_noise_bent(problem)) {
+    return entry::in_pixels(solve(entry::with_bent_noise(problem), options), *this, problem);
   }
   const bool is_plain = takes_any_input || entry::are_covariances_plausible(problem);
   PoseEstimate estimate = is_plain

@@ -42,7 +42,6 @@ Residuals residuals_of(const PoseProblem& problem, const PoseEstimate& estimate,
   Residuals result;
   const Camera& camera = problem.camera;
   const bool is_whitened = !problem.covariances_px2.empty();
-  const bool has_lens = !camera.distortion.is_zero();
   result.sigma = is_whitened ? 1 : problem.sigma_px;
   auto removed = estimate.removed.begin();
   auto ignored = estimate.ignored.begin();
@@ -57,10 +56,8 @@ Residuals residuals_of(const PoseProblem& problem, const PoseEstimate& estimate,
     const Eigen::Vector3d x = cam_from_target * problem.points_in_target[i];
     double square = std::numeric_limits<double>::infinity(), square_px2 = square;
     if (x.z() > 0) {
-      Eigen::Vector2d image = x.head<2>() / x.z();
-      if (has_lens) image = distorted(camera.distortion, image);
-      const Eigen::Vector2d r(camera.fx_px * image.x() + camera.cx_px - problem.pixels[i].x(),
-                              camera.fy_px * image.y() + camera.cy_px - problem.pixels[i].y());
+      const Eigen::Vector2d r =
+          pixel_from_normalised(camera, x.head<2>() / x.z()) - problem.pixels[i];
       square_px2 = r.squaredNorm();
       square = is_whitened ? r.dot(problem.covariances_px2[i].inverse() * r) : square_px2;
     }

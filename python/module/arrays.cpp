@@ -5,6 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <string>
+
+#include <pybind11/stl.h>
+
+#include "pose/lenses/catalogue.h"
 
 namespace sightline {
 namespace {
@@ -54,18 +59,19 @@ Camera camera_from(const py::tuple& numbers) {
   camera.fy_px = numbers[3].cast<double>();
   camera.cx_px = numbers[4].cast<double>();
   camera.cy_px = numbers[5].cast<double>();
-  BrownConrady& lens = camera.distortion;
-  size_t at = 6;
-  for (double* const k : {&lens.k1, &lens.k2, &lens.p1, &lens.p2, &lens.k3}) {
-    *k = numbers[at++].cast<double>();
-  }
+  camera.skew_px = numbers[6].cast<double>();
+  const LensModel& model = *find_lens_model(numbers[7].cast<std::string>());
+  std::vector<double> coefficients;
+  for (size_t i = 8; i < numbers.size(); ++i) coefficients.push_back(numbers[i].cast<double>());
+  camera.lens = *make_lens(model, coefficients);
   return camera;
 }
 
 py::tuple numbers_of(const Camera& camera) {
-  const BrownConrady& lens = camera.distortion;
-  return py::make_tuple(camera.width_px, camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px,
-                        camera.cy_px, lens.k1, lens.k2, lens.p1, lens.p2, lens.k3);
+  py::tuple numbers =
+      py::make_tuple(camera.width_px, camera.height_px, camera.fx_px, camera.fy_px, camera.cx_px,
+                     camera.cy_px, camera.skew_px, model_of(camera.lens).name);
+  return numbers + py::tuple(py::cast(coefficients_of(camera.lens)));
 }
 
 Pose pose_from(const Doubles& matrix) {

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 
+#include "eval/solve/camera_file.h"
 #include "eval/study/key_tables.h"
 #include "pose/absolute_orientation.h"
 #include "pose/consensus/cloud.h"
@@ -145,6 +146,10 @@ Doubles project_all(const py::tuple& camera, const Doubles& points_in_cam) {
   return rows_of(pixels);
 }
 
+py::tuple read_camera_numbers(const std::string& file) {
+  return numbers_of(read_camera_file(file));
+}
+
 py::tuple diagnosis_tuple(const Diagnosis& diagnosis) {
   py::object probable = py::none();
   if (diagnosis.most_probable_cam_from_target) {
@@ -171,6 +176,7 @@ py::tuple tuple_of(const PoseEstimate& estimate) {
 }
 
 void bind_pose(py::module_& module) {
+  module.def("read_camera", &read_camera_numbers);
   module.def("solve", &solve_problem);
   module.def("solve_all", &solve_all_poses);
   module.def("align", &align_points);

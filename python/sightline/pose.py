@@ -5,7 +5,8 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any, Mapping, Optional, Sequence
+import os
+from typing import Any, Mapping, Optional, Sequence, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -15,17 +16,28 @@ from sightline._sightline import InputError
 
 _MOST_PIXELS = 1_000_000  # a side
 
+# How many coefficients a lens may have, by its model; those that are not given are 0.
+_COEFFICIENTS = {"brown_conrady": (4, 5), "rational": (8, 12), "fisheye": (4,)}
+
 
 @dataclasses.dataclass(frozen=True)
 class Camera:
-    """A pinhole camera with lens distortion.
+    """A camera with a lens.
 
     The camera frame is x right, y down, z forward, in metres. Pixel centres are at whole
     coordinates: (0, 0) is the centre of the top-left pixel, and a centred principal point is
     ((width_px - 1) / 2, (height_px - 1) / 2), which is the default.
 
-    `distortion` is (k1, k2, p1, p2, k3) with OpenCV's signs (Brown and Conrady).
-    Raises InputError for a side or a focal length that is not positive.
+    A ray (x/z, y/z) that the lens bends to (a, b) is seen at the pixel
+    (fx_px a + skew_px b + cx_px, fy_px b + cy_px). `lens` says which model `distortion` is of, with
+    OpenCV's names and signs:
+
+    - "brown_conrady": k1, k2, p1, p2 and perhaps k3,
+    - "rational": k1, k2, p1, p2, k3, k4, k5, k6 and perhaps s1, s2, s3, s4,
+    - "fisheye" (Kannala and Brandt): k1, k2, k3, k4; sees up to 90 degrees from its axis.
+
+    Raises InputError for a side or a focal length that is not positive, an unknown model, or a number
+    of coefficients that the model has not.
     """
 
     width_px: int
@@ -34,7 +46,9 @@ class Camera:
     fy_px: Optional[float] = None  #: default: fx_px
     cx_px: Optional[float] = None
     cy_px: Optional[float] = None
-    distortion: tuple[float, float, float, float, float] = (0.0, 0.0, 0.0, 0.0, 0.0)
+    distortion: tuple[float, ...] = ()  #: default: zeros
+    lens: str = "brown_conrady"
+    skew_px: float = 0.0
 
     def __post_init__(self) -> None:
         def put(name: str, value: Any) -> None:
@@ -55,13 +69,30 @@ class Camera:
         for name in ("fx_px", "fy_px"):
             if getattr(self, name) <= 0:
                 raise InputError(f"Camera: {name} is {getattr(self, name)}, must be positive")
-        lens = _checks.array("Camera: distortion", self.distortion, (5,))
-        put("distortion", tuple(lens.tolist()))
+        put("skew_px", float(_checks.array("Camera: skew_px", self.skew_px, ())))
+        counts = _COEFFICIENTS.get(self.lens)
+        if counts is None:
+            raise InputError(f"Camera: lens is {self.lens!r}, must be one of "
+                             f"{', '.join(_COEFFICIENTS)}")
+        lens = _checks.array("Camera: distortion", self.distortion, (None,))
+        if len(lens) not in (0, *counts):
+            raise InputError(f"Camera: distortion: has {len(lens)} numbers, must have "
+                             f"{' or '.join(map(str, counts))} of a {self.lens} lens")
+        missing = counts[-1] - len(lens)
+        put("distortion", tuple(lens.tolist()) + (0.0,) * missing)
+
+    @staticmethod
+    def read(file: Union[str, os.PathLike[str]]) -> Camera:
+        """The camera of a calibration file: OpenCV's or Kalibr's (.yaml, .json, .xml), COLMAP's
+        cameras.txt, or a .toml with [camera]. FILE#NAME is one of several cameras in a file.
+        Raises InputError, whose text names the file and what of it cannot be used."""
+        return Camera._from_numbers(_sightline.read_camera(os.fspath(file)))
 
     @property
     def matrix(self) -> np.ndarray:
         """The 3 x 3 matrix that OpenCV calls the camera matrix."""
-        return np.array([[self.fx_px, 0, self.cx_px], [0, self.fy_px, self.cy_px], [0, 0, 1]])
+        return np.array([[self.fx_px, self.skew_px, self.cx_px],
+                         [0, self.fy_px, self.cy_px], [0, 0, 1]])
 
     def project(self, points_in_cam: npt.ArrayLike) -> np.ndarray:
         """The pixels, n x 2, of n x 3 points in metres; NaN of one at or behind the camera."""
@@ -70,11 +101,11 @@ class Camera:
 
     def _numbers(self) -> tuple:
         return (self.width_px, self.height_px, self.fx_px, self.fy_px, self.cx_px, self.cy_px,
-                *self.distortion)
+                self.skew_px, self.lens, *self.distortion)
 
     @staticmethod
     def _from_numbers(numbers: tuple) -> Camera:
-        return Camera(*numbers[:6], distortion=numbers[6:])
+        return Camera(*numbers[:6], distortion=numbers[8:], lens=numbers[7], skew_px=numbers[6])
 
 
 @dataclasses.dataclass(frozen=True)

@@ -160,12 +160,45 @@ def test_pixel_centres_are_at_whole_coordinates():
     assert np.abs(sl.solve(CUBE, seen(bent), bent, "lspe").cam_from_target - TRUTH).max() < EXACT
 
 
+@pytest.mark.parametrize("camera", [
+    sl.Camera(640, 480, 400, distortion=(-0.02, 0.005, -0.003, 0.0004), lens="fisheye"),
+    sl.Camera(640, 480, 400, lens="fisheye", skew_px=3),
+    sl.Camera(640, 480, 400, 410, distortion=(0.9, 0.25, 1e-3, -5e-4, 0.01, 1.2, 0.5, 0.05),
+              lens="rational"),
+])
+def test_poses_through_every_lens(camera):
+    assert np.abs(sl.solve(CUBE, seen(camera), camera, "lspe").cam_from_target - TRUTH).max() < EXACT
+    straight = sl.Camera(640, 480, 400)
+    wrong = sl.solve(CUBE, seen(camera), straight, "lspe")
+    assert not wrong.is_ok or np.abs(wrong.cam_from_target - TRUTH).max() > 1e-3
+
+
+def test_a_fisheye_shows_angles():
+    camera = sl.Camera(640, 480, 400, lens="fisheye")
+    assert np.allclose(camera.project([[math.tan(1.2), 0, 1]]), [[319.5 + 400 * 1.2, 239.5]])
+    assert camera.distortion == (0, 0, 0, 0)
+
+
+def test_cameras_are_read_from_calibrations(tmp_path):
+    file = tmp_path / "cameras.txt"
+    file.write_text("1 PINHOLE 640 480 800 800 320 240\n"
+                    "2 OPENCV_FISHEYE 640 480 400 410 320 240 -0.02 0.005 -0.003 0.0004\n")
+    camera = sl.Camera.read(f"{file}#2")
+    assert (camera.lens, camera.distortion) == ("fisheye", (-0.02, 0.005, -0.003, 0.0004))
+    assert (camera.fy_px, camera.cx_px) == (410, 319.5)
+    assert sl.Camera.read(f"{file}#1") == sl.Camera(640, 480, 800)
+    with pytest.raises(sl.InputError, match="cameras.txt: has the cameras 1, 2: say which"):
+        sl.Camera.read(file)
+
+
 @pytest.mark.parametrize("arguments, text", [
     ((0, 480, 800), "Camera: width_px: is 0, must be a whole number from 1"),
     ((640, 480.5, 800), "Camera: height_px: is 480.5"),
     ((640, 480, -1), "Camera: fx_px is -1.0, must be positive"),
     ((640, 480, math.inf), "Camera: fx_px: holds a number that is not finite"),
-    ((640, 480, 800, None, None, None, (1, 2)), "Camera: distortion: has shape (2,), must be (5)"),
+    ((640, 480, 800, None, None, None, (1, 2)), "Camera: distortion: has 2 numbers, must have 4 or 5 of a brown_conrady lens"),
+    ((640, 480, 800, None, None, None, (), "omni"),
+     "Camera: lens is 'omni', must be one of brown_conrady, rational, fisheye"),
 ])
 def test_no_camera_is_none(arguments, text):
     with pytest.raises(sl.InputError) as refusal:

@@ -309,6 +309,15 @@ std::vector<double> TomlTable::numbers(std::string_view key, size_t count,
   return values;
 }
 
+std::vector<double> TomlTable::numbers(std::string_view key, std::span<const size_t> counts) const {
+  const toml::node* const node = node_->table->get(key);
+  const toml::array* const array = node != nullptr ? node->as_array() : nullptr;
+  const size_t size = array != nullptr ? array->size() : 0;
+  if (std::find(counts.begin(), counts.end(), size) != counts.end()) return numbers(key, size);
+  fail(key, fmt::format("is {}, must be an array of {} finite numbers",
+                        node != nullptr ? to_text(*node) : "missing", fmt::join(counts, " or ")));
+}
+
 std::vector<double> TomlTable::number_list(std::string_view key, Interval allowed) const {
   if (!has(key)) {
     fail(key, fmt::format("is missing (an array of numbers, each {})", describe(allowed)));

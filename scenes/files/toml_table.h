@@ -62,6 +62,8 @@ class TomlTable {
   /// An array of exactly `count` finite numbers.
   std::vector<double> numbers(std::string_view key, size_t count,
                               std::optional<std::vector<double>> fallback = {}) const;
+  /// The same where several counts are allowed.
+  std::vector<double> numbers(std::string_view key, std::span<const size_t> counts) const;
   /// An array of one or more numbers, each within `allowed` and none twice.
   std::vector<double> number_list(std::string_view key, Interval allowed) const;
   /// The values of an array of one or more numbers, texts, flags or arrays of numbers, none twice,

@@ -35,6 +35,24 @@ TEST(Prediction, IsTheProjectionOfThePriorPose) {
   EXPECT_EQ(hidden, 1);  // a cube seen in general position hides one vertex
 }
 
+TEST(Prediction, KnowsHowAFisheyeTurnsEdgesAndShrinksErrors) {
+  const auto cube = load_target("cube");
+  Camera camera = centred_camera(512, 512, 300);
+  const Pose pose = {rotation_from_vector({0.4, 0.3, 0.2}), {6, 3, 5}};
+  const PosePrior prior = prior_of(pose, camera, {});
+  const auto straight = predict_features(*cube, std::vector<int>{0}, camera, prior).features[0];
+  camera.lens = KannalaBrandt{};
+  const auto bent = predict_features(*cube, std::vector<int>{0}, camera, prior).features[0];
+  const TargetFeature& feature = cube->features[0];
+  for (int i = 0; i < 2; ++i) {
+    const Edge& edge = feature.edges[bent.edge[i]];
+    const Eigen::Vector3d near = edge.begin_m + 1e-5 * (edge.end_m - edge.begin_m);
+    const Eigen::Vector2d along = (*project(camera, pose * near) - bent.pixel).normalized();
+    EXPECT_GT(along.dot(bent.edge_direction[i]), 1 - 1e-6);
+  }
+  EXPECT_LT(predicted_sd_px(bent), 0.8 * predicted_sd_px(straight));
+}
+
 TEST(Prediction, BehindTheCameraThereIsNothingToPredict) {
   const auto cube = load_target("cube");
   const Pose behind = {Eigen::Matrix3d::Identity(), {0, 0, -50}};

@@ -88,7 +88,7 @@ TEST(CramerRaoBound, IsTheInverseOfTheInformationInTheTargetFrame) {
     for (int k = 0; k < 8; ++k) points.push_back(draw.in_box(1) + Eigen::Vector3d(2, -1, 0.5));
     Camera camera = centred_camera(640, 480, 500);
     camera.fy_px = 600;
-    camera.distortion.k1 = -0.1;
+    std::get<BrownConrady>(camera.lens).k1 = -0.1;
     const Synthetic s = exact_problem(camera, points, {draw.rotation(), {0.5, 0.3, 8}});
     const Matrix6d expected = numeric_covariance(s);
     EXPECT_TRUE(is_matrix_near(bound_of(s, 1).covariance, expected, 1e-5 * expected.norm()));
@@ -162,9 +162,9 @@ TEST(CramerRaoBound, CountsThePixelsOfTheLens) {
       plain / 2, 1e-9 * plain);
   // Off the axis, r2 = 0.25, k1 stretches by 1 + k1 r2 across and 1 + 3 k1 r2 along the radius.
   s.cam_from_target.translation = {50, 0, 100};
-  s.problem.camera.distortion.k1 = 0.4;
+  std::get<BrownConrady>(s.problem.camera.lens).k1 = 0.4;
   const double lens = bound_of(s, 1).geodesic_rms_rad;
-  s.problem.camera.distortion.k1 = 0;
+  std::get<BrownConrady>(s.problem.camera.lens).k1 = 0;
   const double no_lens = bound_of(s, 1).geodesic_rms_rad;
   EXPECT_GT(lens, no_lens / 1.3);
   EXPECT_LT(lens, no_lens / 1.1);

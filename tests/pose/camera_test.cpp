@@ -16,7 +16,7 @@ constexpr double kPixelRounding = 1e-10;  // 512 px times a few hundred epsilon
 Camera wide_camera_with_lens() {
   Camera camera = centred_camera(640, 480, 500);
   camera.fy_px = 510;
-  camera.distortion = {.k1 = -0.28, .k2 = 0.09, .p1 = 1e-3, .p2 = -5e-4, .k3 = -0.01};
+  camera.lens = BrownConrady{.k1 = -0.28, .k2 = 0.09, .p1 = 1e-3, .p2 = -5e-4, .k3 = -0.01};
   return camera;
 }
 
@@ -25,7 +25,7 @@ TEST(Camera, CentredPrincipalPointIsBetweenTheMiddlePixels) {
   EXPECT_EQ(camera.cx_px, 255.5);
   EXPECT_EQ(camera.cy_px, 199.5);
   EXPECT_EQ(camera.fx_px, camera.fy_px);
-  EXPECT_TRUE(camera.distortion.is_zero());
+  EXPECT_TRUE(is_pinhole(camera.lens));
   // Three pixels: the middle one has its centre at 1.
   EXPECT_EQ(centred_camera(3, 3, 1).cx_px, 1);
 }
@@ -58,7 +58,7 @@ TEST(Camera, LensFollowsOpenCv) {
 }
 
 TEST(Camera, LensDerivativeIsThatOfDifferences) {
-  const BrownConrady lens = wide_camera_with_lens().distortion;
+  const Lens lens = wide_camera_with_lens().lens;
   constexpr double kStep = 1e-6;
   Draw draw(1);
   for (int i = 0; i < 50; ++i) {
@@ -94,14 +94,14 @@ TEST(Camera, UndistortionUndoesDistortion) {
 
 TEST(Camera, DistortionIsNotIgnored) {
   Camera plain = wide_camera_with_lens();
-  plain.distortion = {};
+  plain.lens = {};
   const Eigen::Vector3d corner(0.6, 0.4, 1);
   EXPECT_GT((*project(plain, corner) - *project(wide_camera_with_lens(), corner)).norm(), 20);
 }
 
 TEST(Camera, BeyondTheFoldOfTheLensIsNothing) {
   Camera barrel = centred_camera(640, 480, 300);
-  barrel.distortion.k1 = -0.3;  // x (1 - 0.3 x^2) never exceeds 0.703
+  std::get<BrownConrady>(barrel.lens).k1 = -0.3;  // x (1 - 0.3 x^2) never exceeds 0.703
   EXPECT_TRUE(normalised_from_pixel(barrel, {barrel.cx_px + 300 * 0.69, barrel.cy_px}));
   EXPECT_FALSE(normalised_from_pixel(barrel, {barrel.cx_px + 300 * 0.71, barrel.cy_px}));
   EXPECT_FALSE(bearing(barrel, {barrel.cx_px + 300 * 0.71, barrel.cy_px}));

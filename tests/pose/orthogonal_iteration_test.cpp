@@ -33,7 +33,7 @@ bool is_in_front(const PoseProblem& problem, const Pose& cam_from_target) {
 Synthetic near_problem(Draw& draw, double thickness = 1) {
   Camera camera = centred_camera(640, 480, 400);
   camera.fy_px = 420;
-  camera.distortion = {.k1 = -0.1, .k2 = 0.02, .p1 = 1e-3, .p2 = -1e-3, .k3 = 0};
+  camera.lens = BrownConrady{.k1 = -0.1, .k2 = 0.02, .p1 = 1e-3, .p2 = -1e-3, .k3 = 0};
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 10; ++i) {
     points.push_back(Eigen::Vector3d(1, 1, thickness).cwiseProduct(draw.in_box(1)));

@@ -17,7 +17,7 @@ namespace {
 Camera wide_camera() {
   Camera camera = centred_camera(640, 480, 500);
   camera.fy_px = 530;
-  camera.distortion = {.k1 = -0.2, .k2 = 0.05, .p1 = 1e-3, .p2 = -1e-3, .k3 = 0};
+  camera.lens = BrownConrady{.k1 = -0.2, .k2 = 0.05, .p1 = 1e-3, .p2 = -1e-3, .k3 = 0};
   return camera;
 }
 

@@ -48,7 +48,7 @@ TEST(Basis, SumsToTheRenderersPicture) {
 
 TEST(Basis, SumsToTheRenderersPictureThroughALens) {
   Scene scene = brick_scene();
-  scene.camera.distortion.k1 = -0.3;
+  std::get<BrownConrady>(scene.camera.lens).k1 = -0.3;
   EXPECT_LT(difference_from_renderer(scene, scene.light), kRounding);
 }
 

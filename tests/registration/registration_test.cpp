@@ -89,7 +89,7 @@ TEST(Registration, FindsItByTheOutlineAlone) {
 
 TEST(Registration, FindsItThroughALens) {
   Scene scene = brick_scene();
-  scene.camera.distortion.k1 = -0.3;
+  std::get<BrownConrady>(scene.camera.lens).k1 = -0.3;
   expect_found(scene, options_of(scene));
 }
 

@@ -150,7 +150,7 @@ TEST(Motion, IsTheMeanOfThePosesOnTheWay) {
 // A plate filling much of a wide lens's image.
 Scene plate_through_a_lens() {
   Scene scene = coverage_scene(plate(1), at(0.05, -0.03, 0.9, {0.3, -0.4, 0.2}), 300);
-  scene.camera.distortion = {.k1 = -0.25, .k2 = 0.08, .p1 = 2e-3, .p2 = -1e-3, .k3 = 0};
+  scene.camera.lens = BrownConrady{.k1 = -0.25, .k2 = 0.08, .p1 = 2e-3, .p2 = -1e-3, .k3 = 0};
   scene.samples_per_pixel = 64;
   return scene;
 }
@@ -197,14 +197,14 @@ TEST(Lens, BendsEdgesTruly) {
 TEST(Lens, AHundredthOfItsStrengthOffWouldBeSeen) {
   Scene scene = plate_through_a_lens();
   const cv::Mat image = Renderer().render_linear(scene);
-  scene.camera.distortion.k1 *= 1.01;
+  std::get<BrownConrady>(scene.camera.lens).k1 *= 1.01;
   EXPECT_GT(std::abs(mean_border_error(scene, image)), 2e-2);
 }
 
 TEST(Lens, DrawsNothingBeyondItsFold) {
   // x (1 - r2) turns back at r = 0.58: beyond, a plate would appear a second time.
   Scene scene = coverage_scene(plate(0.2), at(0, 0, 1), 300);
-  scene.camera.distortion.k1 = -1;
+  std::get<BrownConrady>(scene.camera.lens).k1 = -1;
   scene.others.push_back({target_of(plate(0.2)), at(0.95, 0, 1), false});
   const Frame frame = Renderer().render(scene, RandomStream(1, "sensor", 0));
   EXPECT_GT(frame.truth.bodies[0].visible_pixels, 0);

@@ -86,7 +86,7 @@ Scene busy_scene(int index, const BrownConrady& lens = {}) {
   RandomStream stream(1, "busy scenes", index);
   Scene scene;
   scene.camera = centred_camera(160, 120, 2500);
-  scene.camera.distortion = lens;
+  scene.camera.lens = lens;
   scene.target = boeing;
   const auto place = [&](double z, double spread_m) {
     Pose pose = at(stream.uniform(-spread_m, spread_m), stream.uniform(-spread_m, spread_m), z);
@@ -167,7 +167,7 @@ TEST(Truth, ThroughALensToo) {
     EXPECT_LE(result.other_part, result.seen / 300);
     EXPECT_LT(result.depth_m, kDepthToleranceM);
     Scene without = scene;
-    without.camera.distortion = {};
+    without.camera.lens = {};
     EXPECT_GT(compare(without, frame_of(scene)).other_body, 50);  // the lens does something
   }
 }

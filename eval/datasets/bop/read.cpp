@@ -196,7 +196,7 @@ class SceneReader {
       if (camera == nullptr) {
         throw InputError(fmt::format("has no image {}, which {} has", im_id, bop::kSceneTruthFile));
       }
-      image.k = matrix_of(*camera, im_id);
+      read_camera(*camera, image);
       if (camera->contains("depth_scale")) image.depth_scale = number_in(*camera, "depth_scale");
       image.depth_file = numbered_picture(folder_ / bop::kDepthFolder, {im_id});
     }
@@ -219,29 +219,32 @@ class SceneReader {
     }
   }
 
-  // The camera's matrix or, as sets of 2024 have it, that of its model where it is a pinhole.
-  static Eigen::Matrix3d matrix_of(const Json& camera, int im_id) {
+  // The camera's matrix or, as sets of 2024 have it, its model where that is a pinhole or a fisheye
+  // of Kannala and Brandt: focal lengths, principal point and the lens's coefficients.
+  static void read_camera(const Json& camera, BopImage& image) {
     if (!camera.is_object() || !camera.contains("cam_model")) {
-      return matrix_from_rows(numbers_in(camera, "cam_K", 9));
+      image.k = matrix_from_rows(numbers_in(camera, "cam_K", 9));
+      return;
     }
     const Json& model = camera["cam_model"];
     const std::string type = text_in(model, "projection_model_type");
-    if (!type.ends_with("PINHOLE") && !type.ends_with("LINEAR")) {
+    const bool is_fisheye = type.ends_with("KANNALA_BRANDT_K3");
+    if (!is_fisheye && !type.ends_with("PINHOLE") && !type.ends_with("LINEAR")) {
       throw InputError(
-          fmt::format("image {}: its cam_model is {}, must be a pinhole: remove the "
-                      "lens from the pictures first",
-                      im_id, type));
+          fmt::format("image {}: its cam_model is {}, must be a pinhole or KANNALA_BRANDT_K3: "
+                      "remove the lens from the pictures first",
+                      image.im_id, type));
     }
+    const size_t more = is_fisheye ? 4 : 0;
     const Json& params = value_in(model, "projection_params");
-    const bool has_one_focus = params.is_array() && params.size() == 3;
-    auto p = finite_numbers(params, "projection_params", has_one_focus ? 3 : 4);
+    const bool has_one_focus = params.is_array() && params.size() == 3 + more;
+    auto p = finite_numbers(params, "projection_params", (has_one_focus ? 3 : 4) + more);
     if (has_one_focus) p.insert(p.begin(), p.front());
-    Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
-    k(0, 0) = p[0];
-    k(1, 1) = p[1];
-    k(0, 2) = p[2];
-    k(1, 2) = p[3];
-    return k;
+    image.k(0, 0) = p[0];
+    image.k(1, 1) = p[1];
+    image.k(0, 2) = p[2];
+    image.k(1, 2) = p[3];
+    if (is_fisheye) image.lens = KannalaBrandt{.k1 = p[4], .k2 = p[5], .k3 = p[6], .k4 = p[7]};
   }
 
   static BopInstance instance_of(const Json& entry) {
@@ -286,6 +289,17 @@ void require_all_asked(const TargetList& list, const std::vector<BopImage>& imag
     throw InputError(fmt::format("{}: asks for scene {} image {}, which {} has not",
                                  list.file.string(), image.first, image.second,
                                  bop::kSceneTruthFile));
+  }
+}
+
+// What scores poses projects by the camera's matrix alone.
+void require_pinholes(const std::vector<BopImage>& images) {
+  for (const BopImage& image : images) {
+    if (is_pinhole(image.lens)) continue;
+    throw InputError(fmt::format(
+        "{}: image {}: its cam_model has a lens, must be a pinhole: remove the lens from the "
+        "pictures first",
+        (image.folder / bop::kSceneCameraFile).string(), image.im_id));
   }
 }
 
@@ -351,6 +365,7 @@ BopImages read_bop_images(const fs::path& folder, const std::string& split) {
 
 BopDataset read_bop_dataset(const fs::path& folder, const std::string& split) {
   BopImages read = read_bop_images(folder, split);
+  require_pinholes(read.images);
   std::set<int> objects;
   for (const BopImage& image : read.images) {
     for (const auto& [obj_id, count] : image.targets) objects.insert(obj_id);

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include "eval/datasets/bop/models.h"
+#include "pose/lenses/lens.h"
 #include "pose/pose.h"
 
 namespace sightline {
@@ -28,6 +29,7 @@ struct BopImage {
   int im_id = 0;
   int width_px = 0;  ///< of the picture; of read_bop_dataset alone
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
+  Lens lens;                         ///< of a cam_model that has one; read_bop_dataset takes none
   double depth_scale = 1;            ///< mm a step of the depth
   std::filesystem::path depth_file;  ///< empty where there is none
   std::vector<BopInstance> instances;

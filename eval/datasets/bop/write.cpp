@@ -25,9 +25,10 @@ Json box_entry(const cv::Rect& box, bool is_seen) {
 }  // namespace
 
 Json camera_entry(const Camera& camera, double depth_scale) {
-  return {
-      {"cam_K", {camera.fx_px, 0.0, camera.cx_px, 0.0, camera.fy_px, camera.cy_px, 0.0, 0.0, 1.0}},
-      {"depth_scale", depth_scale}};
+  return {{"cam_K",
+           {camera.fx_px, camera.skew_px, camera.cx_px, 0.0, camera.fy_px, camera.cy_px, 0.0, 0.0,
+            1.0}},
+          {"depth_scale", depth_scale}};
 }
 
 Json truth_entry(int64_t obj_id, const Pose& cam_from_model) {

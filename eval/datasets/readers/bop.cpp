@@ -36,10 +36,11 @@ int target_object(const SightingSource& source, const std::vector<BopImage>& ima
                        : fmt::format("{}; say --object which of them is the target", has));
 }
 
-Camera camera_of(const BopImage& image, const BrownConrady& distortion) {
+// The lens that the set states, else the one that is given.
+Camera camera_of(const BopImage& image, const Lens& given_lens) {
   try {
     Camera camera = camera_from_matrix(image.k);
-    camera.distortion = distortion;
+    camera.lens = is_pinhole(image.lens) ? given_lens : image.lens;
     return camera;
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: image {}: cam_K {}",
@@ -54,7 +55,7 @@ Sighting sighting_of(const SightingSource& source, const BopImage& image, int gt
   sighting.scene_id = image.scene_id;
   sighting.im_id = image.im_id;
   sighting.gt_id = gt_id;
-  sighting.camera = camera_of(image, source.distortion);
+  sighting.camera = camera_of(image, source.lens);
   const Pose& mm = instance.cam_from_model;
   sighting.cam_from_target = {nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
   sighting.visible_mask =

@@ -19,6 +19,7 @@
 #include "eval/datasets/set_readers.h"
 #include "eval/datasets/speed/layout.h"
 #include "eval/output/json.h"
+#include "scenes/camera/lens_numbers.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -123,23 +124,19 @@ Eigen::Matrix3d matrix_in(const Json& camera) {
   return k;
 }
 
-// OpenCV writes 4, 5, 8, 12 or 14 coefficients, as a row, a column or a list: k1, k2, p1, p2, k3,
-// and those of models that ours is not, which must be zero.
-BrownConrady distortion_in(const Json& camera) {
-  constexpr std::array<size_t, 5> kCounts = {4, 5, 8, 12, 14};
+// As OpenCV writes them, as a row, a column or a list; of a fisheye where fisheye_model says so.
+Lens lens_in(const Json& camera) {
   const Json& value = value_in(camera, "distCoeffs");
   size_t count = 0;
   for (const Json& element : value) count += element.is_array() ? element.size() : 1;
-  if (std::find(kCounts.begin(), kCounts.end(), count) == kCounts.end()) {
-    throw InputError(
-        fmt::format("distCoeffs has {} numbers, must have {}", count, fmt::join(kCounts, ", ")));
+  const std::vector<double> d = finite_numbers(value, "distCoeffs", count);
+  const bool is_fisheye =
+      camera.contains(speed::kFisheye) && whole_in(camera, speed::kFisheye) != 0;
+  try {
+    return is_fisheye ? lens_of(*find_lens_model("fisheye"), d) : lens_of_opencv(d);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("distCoeffs {}", error.what()));
   }
-  std::vector<double> d = finite_numbers(value, "distCoeffs", count);
-  d.resize(std::max<size_t>(d.size(), 5));
-  if (std::any_of(d.begin() + 5, d.end(), [](double more) { return more != 0; })) {
-    throw InputError("distCoeffs: only k1, k2, p1, p2 and k3 can be used, the others must be 0");
-  }
-  return {.k1 = d[0], .k2 = d[1], .p1 = d[2], .p2 = d[3], .k3 = d[4]};
 }
 
 Camera read_camera(const fs::path& file) {
@@ -148,7 +145,7 @@ Camera read_camera(const fs::path& file) {
     camera = camera_from_matrix(matrix_in(json));
     camera.cx_px -= speed::kHalfPixel;
     camera.cy_px -= speed::kHalfPixel;
-    if (json.contains("distCoeffs")) camera.distortion = distortion_in(json);
+    if (json.contains("distCoeffs")) camera.lens = lens_in(json);
   });
   return camera;
 }
@@ -198,8 +195,8 @@ SetReading read_speed_sightings(const SightingSource& source) {
     throw InputError(fmt::format("{}: is of one object, as SPEED+ is; no --object can be chosen",
                                  list.string()));
   }
-  if (!source.distortion.is_zero()) {
-    throw InputError("camera.distortion: is for BOP sets; SPEED+ has it in camera.json");
+  if (!is_pinhole(source.lens)) {
+    throw InputError("camera.distortion: is for BOP sets; SPEED+ has the lens in camera.json");
   }
   SetReading reading;
   const Camera camera = read_camera(camera_file(list));

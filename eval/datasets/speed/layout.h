@@ -24,6 +24,7 @@ inline constexpr std::array<std::string_view, 3> kLists = {"train", "validation"
 inline constexpr std::string_view kModelFile = "model/target.ply";
 
 // Keys of an image's element in the list.
+inline constexpr const char* kFisheye = "fisheye_model";  // in camera.json, as OpenCV says it
 inline constexpr const char* kPicture = "filename";
 inline constexpr const char* kAttitude = "q_vbs2tango_true";
 inline constexpr const char* kAttitudeOfSpeed = "q_vbs2tango";  ///< in SPEED instead

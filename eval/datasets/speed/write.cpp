@@ -4,6 +4,7 @@
 
 #include "eval/datasets/pictures.h"
 #include "eval/datasets/speed/layout.h"
+#include "pose/lenses/catalogue.h"
 
 namespace sightline::speed {
 
@@ -21,20 +22,20 @@ Json list_element(const std::string& picture, const Eigen::Vector4d& q_wxyz,
 }
 
 std::string camera_file(const Camera& camera) {
-  const BrownConrady& lens = camera.distortion;
   const double cx = camera.cx_px + kHalfPixel;
   const double cy = camera.cy_px + kHalfPixel;
-  const Json json = {
-      {"Nu", camera.width_px},
-      {"Nv", camera.height_px},
-      {"ppx", kPixelPitchM},
-      {"ppy", kPixelPitchM},
-      {"fx", camera.fx_px * kPixelPitchM},
-      {"fy", camera.fy_px * kPixelPitchM},
-      {"ccx", cx},
-      {"ccy", cy},
-      {"cameraMatrix", {{camera.fx_px, 0.0, cx}, {0.0, camera.fy_px, cy}, {0.0, 0.0, 1.0}}},
-      {"distCoeffs", {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3}}};
+  Json json = {{"Nu", camera.width_px},
+               {"Nv", camera.height_px},
+               {"ppx", kPixelPitchM},
+               {"ppy", kPixelPitchM},
+               {"fx", camera.fx_px * kPixelPitchM},
+               {"fy", camera.fy_px * kPixelPitchM},
+               {"ccx", cx},
+               {"ccy", cy},
+               {"cameraMatrix",
+                {{camera.fx_px, camera.skew_px, cx}, {0.0, camera.fy_px, cy}, {0.0, 0.0, 1.0}}},
+               {"distCoeffs", coefficients_of(camera.lens)}};
+  if (std::holds_alternative<KannalaBrandt>(camera.lens)) json[kFisheye] = 1;
   return json.dump(2) + "\n";
 }
 

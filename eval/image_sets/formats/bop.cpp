@@ -7,6 +7,7 @@
 #include <map>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -17,6 +18,7 @@
 #include "eval/image_sets/coco_keypoints.h"
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
+#include "pose/lenses/catalogue.h"
 #include "scenes/picture/picture_file.h"
 
 namespace sightline {
@@ -112,6 +114,7 @@ Json camera_of(const Json& truth, double depth_scale) {
   camera.fy_px = stated.at("fy_px");
   camera.cx_px = stated.at("cx_px");
   camera.cy_px = stated.at("cy_px");
+  camera.skew_px = stated.value("skew_px", 0.0);
   return bop::camera_entry(camera, depth_scale);
 }
 
@@ -197,6 +200,7 @@ std::string colour_line(const SetPlan& plan) {
 
 std::string dataset_info(const SetPlan& plan) {
   const Camera& camera = plan.images().setups.front().scene.camera;
+  const LensModel& lens = model_of(camera.lens);
   const EncodingText encoding = encoding_text(plan);
   std::string objects;
   for (size_t i = 0; i < plan.objects.size(); ++i) {
@@ -217,8 +221,8 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
   pixel, without any tolerance of depth.
 - Pixel centres are at integers: (0, 0) is the centre of the top-left pixel. Camera: x right,
   y down, z forward. Millimetres here, metres in sightline/.
-- Lens distortion has no place in this format: k1, k2, p1, p2, k3 = {k1}, {k2}, {p1}, {p2}, {k3}
-  (Brown and Conrady, OpenCV's signs), also in sightline/.
+- Lens distortion has no place in this format: {names} = {coefficients}
+  ({model}, OpenCV's signs), also in sightline/.
 - models_eval/ equals models/: the meshes as they were rendered.
 )",
       fmt::arg("name", plan.study.name), fmt::arg("count", plan.count),
@@ -229,9 +233,9 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
       fmt::arg("white", (1 << plan.images().setups.front().scene.sensor.bits) - 1),
       fmt::arg("depth_scale", plan.depth_scale),
       fmt::arg("truth", plan.has_full_truth ? "full" : "minimal: it has not"),
-      fmt::arg("k1", camera.distortion.k1), fmt::arg("k2", camera.distortion.k2),
-      fmt::arg("p1", camera.distortion.p1), fmt::arg("p2", camera.distortion.p2),
-      fmt::arg("k3", camera.distortion.k3));
+      fmt::arg("names", fmt::join(lens.coefficients, ", ")),
+      fmt::arg("coefficients", fmt::join(coefficients_of(camera.lens), ", ")),
+      fmt::arg("model", lens.title));
 }
 
 std::vector<SetFile> bop_set_files(const SetPlan& plan) {

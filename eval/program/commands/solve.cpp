@@ -115,8 +115,10 @@ void add_solve(CLI::App& app, int& exit_code) {
                   "File of X Y Z (metres, target) u v (pixels) [sigma (px)] a line; separated by "
                   "commas, tabs or spaces")
       ->required();
-  sub->add_option("--camera", arguments->camera,
-                  "Calibration of OpenCV (.yaml, .json, .xml) or a .toml with [camera]")
+  sub->add_option(
+         "--camera", arguments->camera,
+         "Calibration of OpenCV (.yaml, .json, .xml), Kalibr (.yaml) or COLMAP (cameras.txt), or a "
+         ".toml with [camera]; FILE#NAME is one of several cameras")
       ->required();
   sub->add_option("--solver", arguments->solver, "See `sightline list solvers`")
       ->capture_default_str();

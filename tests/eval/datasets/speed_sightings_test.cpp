@@ -59,9 +59,9 @@ TEST_F(ForeignSpeed, IsReadByItsDocumentation) {
     EXPECT_EQ(sighting.camera.fy_px, 915);
     EXPECT_EQ(sighting.camera.cx_px, 159.5);  // its pixels begin at 0, ours at -0.5
     EXPECT_EQ(sighting.camera.cy_px, 119.5);
-    EXPECT_EQ(sighting.camera.distortion.k1, -0.1);
-    EXPECT_EQ(sighting.camera.distortion.p2, 0.004);
-    EXPECT_EQ(sighting.camera.distortion.k3, 0.05);
+    EXPECT_EQ(std::get<BrownConrady>(sighting.camera.lens).k1, -0.1);
+    EXPECT_EQ(std::get<BrownConrady>(sighting.camera.lens).p2, 0.004);
+    EXPECT_EQ(std::get<BrownConrady>(sighting.camera.lens).k3, 0.05);
     const Eigen::Matrix3d& r = sighting.cam_from_target.rotation;
     EXPECT_NEAR(r(0, 0), -0.28, 1e-12);  // cos of 2 acos(0.6), about z
     EXPECT_NEAR(r(1, 0), 0.96, 1e-12);
@@ -97,18 +97,21 @@ TEST_F(ForeignSpeed, HasItsCameraInManyWays) {
           "ccy": 130, "distCoeffs": [0.1, 0.2, 0.3, 0.4]})");
   EXPECT_EQ(stated.cx_px, 149.5);
   EXPECT_EQ(stated.cy_px, 129.5);
-  EXPECT_EQ(stated.distortion.p2, 0.4);
-  EXPECT_EQ(stated.distortion.k3, 0);
+  EXPECT_EQ(std::get<BrownConrady>(stated.lens).p2, 0.4);
+  EXPECT_EQ(std::get<BrownConrady>(stated.lens).k3, 0);
   const Camera in_pixels = camera(R"({"Nu": 320, "Nv": 240, "ppx": 1e-5, "ppy": 1e-5, "fx": 900,
                                       "fy": 915, "distCoeffs": [[1, 2, 3, 4, 5, 0, 0, 0]]})");
   EXPECT_EQ(in_pixels.fx_px, 900);
-  EXPECT_EQ(in_pixels.distortion.k3, 5);
+  EXPECT_EQ(std::get<BrownConrady>(in_pixels.lens).k3, 5);
   EXPECT_EQ(camera(R"({"cameraMatrix": [900, 0, 160, 0, 915, 120, 0, 0, 1]})").fy_px, 915);
-  EXPECT_THAT(error_of([&] {
-                camera(R"({"cameraMatrix": [900, 0, 160, 0, 915, 120, 0, 0, 1],
-                           "distCoeffs": [1, 2, 3, 4, 5, 6, 0, 0]})");
-              }),
-              HasSubstr("camera.json: distCoeffs: only k1, k2, p1, p2 and k3 can be used"));
+  const std::string matrix = R"({"cameraMatrix": [900, 2, 160, 0, 915, 120, 0, 0, 1],)";
+  const Camera rational = camera(matrix + R"("distCoeffs": [1, 2, 3, 4, 5, 6, 0, 0]})");
+  EXPECT_EQ(std::get<RationalLens>(rational.lens).k4, 6);
+  EXPECT_EQ(rational.skew_px, 2);
+  const Camera fisheye = camera(matrix + R"("fisheye_model": 1, "distCoeffs": [1, 2, 3, 4]})");
+  EXPECT_EQ(std::get<KannalaBrandt>(fisheye.lens).k4, 4);
+  EXPECT_THAT(error_of([&] { camera(matrix + R"("distCoeffs": [1, 2, 3, 4, 5, 6]})"); }),
+              HasSubstr("camera.json: distCoeffs has 6 numbers, must have none, 4 or 5"));
 }
 
 TEST_F(ForeignSpeed, HasOneFailureAPictureOrPoseThatIsMissing) {

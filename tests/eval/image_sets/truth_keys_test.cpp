@@ -57,10 +57,10 @@ std::vector<std::string> keys_missing_in(const Json& truth) {
 }
 
 TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
-  Json truth = truth_with({"other=[{target='cube', scale=0.1}]", "image.colour=rgb",
-                           "image.vignetting=0.1", "image.jpeg_quality=90",
-                           "image.white_balance=[1.0, 1.0, 2.0]", "light.second=0.1",
-                           "light.colour=[1.0, 1.0, 0.5]", "light.second_colour=[1.0, 0.5, 0.5]"});
+  Json truth = truth_with(
+      {"other=[{target='cube', scale=0.1}]", "image.colour=rgb", "image.vignetting=0.1",
+       "image.jpeg_quality=90", "image.white_balance=[1.0, 1.0, 2.0]", "light.second=0.1",
+       "light.colour=[1.0, 1.0, 0.5]", "light.second_colour=[1.0, 0.5, 0.5]", "camera.skew_px=1"});
   EXPECT_THAT(keys_missing_in(truth), IsEmpty());
   for (const char* fact : {"is_srgb", "defect_seed"}) {
     EXPECT_TRUE(truth["scene"]["sensor"].contains(fact)) << fact;

@@ -142,7 +142,7 @@ TEST(VertexErrors, AreThoseOfBopButThroughTheLens) {
   EXPECT_NEAR(errors.add, 0.005, kRounding);
   EXPECT_NEAR(errors.mssd, 0.005, kRounding);
   EXPECT_NEAR(errors.mspd_px, 2500.0 / 950, kRounding);
-  camera.distortion.k1 = 0.5;
+  std::get<BrownConrady>(camera.lens).k1 = 0.5;
   EXPECT_GT(vertex_errors(vertices_of(mesh), camera, estimated, truth).mspd_px, 2500.0 / 950);
   const Pose behind = shifted(truth, {0, 0, -0.96});
   EXPECT_TRUE(std::isinf(vertex_errors(vertices_of(mesh), camera, behind, truth).mspd_px));

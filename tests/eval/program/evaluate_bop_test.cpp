@@ -404,9 +404,9 @@ TEST_F(ForeignSet, IsRefusedInOneLineThatNamesTheFile) {
   write("scene_gt.json", good);
   const json cameras = json::parse(read_whole(scene_ / "scene_camera.json"));
   bad = cameras;
-  bad["3"]["cam_K"][1] = 4;
+  bad["3"]["cam_K"][3] = 4;
   write("scene_camera.json", bad);
-  EXPECT_THAT(error_now(), HasSubstr("scene_camera.json: image 3: cam_K must be fx 0 cx"));
+  EXPECT_THAT(error_now(), HasSubstr("scene_camera.json: image 3: cam_K must be fx s cx"));
   write("scene_camera.json", cameras);
   fs::rename(scene_ / "rgb", scene_ / "pictures");
   EXPECT_THAT(error_now(), HasSubstr("rgb/000003.png: cannot be read, nor any other picture"));

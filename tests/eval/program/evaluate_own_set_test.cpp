@@ -101,6 +101,11 @@ struct OwnCase {
 };
 
 const std::string kLens = "camera.distortion=[-0.5, 3, 0.01, 0.02, 0]";
+const std::string kFisheye = "camera.lens=fisheye";
+const std::string kFisheyeLens = "camera.distortion=[-20, 3, 1, 2]";
+const std::string kRational = "camera.lens=rational";
+const std::string kRationalLens = "camera.distortion=[-0.5, 3, 0.01, 0.02, 0, 1, 2, 3]";
+const std::string kSkew = "camera.skew_px=50";
 const std::string kOccluders = R"(other=[{target="cube", scale=12, count=3, offset_px=[-90, 90]}])";
 
 // Poses, units, the half pixel, lenses, masks and the draws of priors survive the way through the
@@ -112,6 +117,10 @@ TEST_F(OwnSet, GivesWhatTheStudyGaveThatRenderedIt) {
       {"bop", {"image.bits=12"}, "bits = 12\n"},
       {"speed", {kLens}, ""},
       {"bop", {kLens}, "[camera]\ndistortion = [-0.5, 3, 0.01, 0.02, 0]\n"},
+      {"speed", {kFisheye, kFisheyeLens}, ""},
+      {"bop",
+       {kRational, kRationalLens, kSkew},
+       "[camera]\nlens = \"rational\"\ndistortion = [-0.5, 3, 0.01, 0.02, 0, 1, 2, 3]\n"},
       {"bop", {kOccluders}, ""}};
   Renderer renderer;
   for (const OwnCase& c : cases) {

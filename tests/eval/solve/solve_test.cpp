@@ -186,7 +186,25 @@ TEST_F(Solve, ReadsCamerasOfTomlToo) {
   const Camera camera = read_camera_file(file);
   EXPECT_EQ(camera.fx_px, 800);
   EXPECT_EQ(camera.cx_px, 319.5);
-  EXPECT_EQ(read_camera_file(camera_file_).distortion.p2, -0.002);
+  EXPECT_EQ(std::get<BrownConrady>(read_camera_file(camera_file_).lens).p2, -0.002);
+}
+
+TEST_F(Solve, FindsAPoseThroughAFisheyeOfOneOfSeveralCameras) {
+  const auto file = folder_.write("cameras.txt",
+                                  "1 PINHOLE 640 480 400 410 320.5 240\n"
+                                  "2 OPENCV_FISHEYE 640 480 400 410 320.5 240 -0.02 0.005 0 0\n");
+  camera_file_ = file.string() + "#2";
+  const std::string points = points_file(0.1);
+  const auto error_m = [&](const std::string& camera) {
+    camera_file_ = camera;
+    const json answer = json::parse(solve(points, "--json --sigma 0.1").output);
+    if (answer["status"] != "ok") return 1e9;
+    return std::abs(answer["cam_from_target"]["translation_m"][2].get<double>() - 6);
+  };
+  EXPECT_LT(error_m(file.string() + "#2"), 0.01);
+  EXPECT_GT(error_m(file.string() + "#1"), 0.03);
+  EXPECT_THAT(run("solve " + points + " --camera " + file.string()).output,
+              HasSubstr("cameras.txt: has the cameras 1, 2: say which by FILE#1"));
 }
 
 TEST(Align, FindsTheAlignmentAmongMostlyWrongPairs) {

@@ -44,8 +44,9 @@ inline PoseProblem read_case(const std::string& name) {
                         x.at(3),
                         x.at(4),
                         x.at(5),
+                        0,
                         {}};
-      problem.camera.distortion = {x.at(6), x.at(7), x.at(8), x.at(9), x.at(10)};
+      problem.camera.lens = BrownConrady{x.at(6), x.at(7), x.at(8), x.at(9), x.at(10)};
       problem.sigma_px = x.at(11);
     } else if (heading.starts_with("# initial")) {
       initial.rotation.row(row) << x.at(0), x.at(1), x.at(2);

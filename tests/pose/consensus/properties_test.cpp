@@ -84,7 +84,7 @@ TEST(ConsensusProperties, NormalisedCoordinatesGiveTheSameAnswer) {
     const Synthetic s = random_scene(draw);
     PoseProblem normalised = s.problem;
     const Camera& camera = s.problem.camera;
-    normalised.camera = {1, 1, 1, 1, 0, 0, {}};
+    normalised.camera = {1, 1, 1, 1, 0, 0, 0, {}};
     normalised.sigma_px /= camera.fx_px;
     for (auto& pixel : normalised.pixels) pixel = normalised_from_pixel(camera, pixel).value();
     const PoseEstimate a = run(s.problem), b = run(normalised);

@@ -91,7 +91,7 @@ TEST_P(AnyInput, PointThatCannotBeUsedIsLeftOutAndListed) {
 TEST_P(AnyInput, PixelBeyondTheFoldOfTheLensIsLeftOut) {
   Draw draw(102);
   Camera camera = centred_camera(640, 480, 450);
-  camera.distortion.k1 = -0.45;
+  std::get<BrownConrady>(camera.lens).k1 = -0.45;
   const Synthetic s =
       exact_problem(camera, points_in_box(10, {1, 1, 1}, draw), {draw.rotation(), {0, 0, 6}});
   PoseProblem beyond = s.problem;
@@ -289,13 +289,8 @@ TEST_P(AnyInput, NormalisedCoordinatesGiveTheSameAnswer) {
     add_outlier(s.problem, 1, 60, draw);
     s.problem.sigma_px = sigma_px;
     PoseProblem normalised = s.problem;
-    normalised.camera = {.width_px = 2,
-                         .height_px = 2,
-                         .fx_px = 1,
-                         .fy_px = 1,
-                         .cx_px = 0,
-                         .cy_px = 0,
-                         .distortion = {}};
+    normalised.camera = {
+        .width_px = 2, .height_px = 2, .fx_px = 1, .fy_px = 1, .cx_px = 0, .cy_px = 0, .lens = {}};
     for (auto& u : normalised.pixels) u = (u - Eigen::Vector2d(319.5, 239.5)) / 1024;
     normalised.sigma_px = sigma_px / 1024;
     const PoseEstimate a = run(s.problem), b = run(normalised);

@@ -29,7 +29,7 @@ Camera camera_with_lens() {
   Camera camera = centred_camera(640, 480, 500);
   camera.fy_px = 530;
   camera.cx_px = 300;
-  camera.distortion = {.k1 = -0.1, .k2 = 0.02, .p1 = 1e-3, .p2 = -1e-3, .k3 = 0};
+  camera.lens = BrownConrady{.k1 = -0.1, .k2 = 0.02, .p1 = 1e-3, .p2 = -1e-3, .k3 = 0};
   return camera;
 }
 
@@ -251,7 +251,7 @@ TEST_P(EverySolver, DegenerateInputSaysSo) {
     cases.push_back(base);
     cases.back().camera.fy_px = 0;
     cases.push_back(base);
-    cases.back().camera.distortion.k1 = -1e6;  // folds within the image
+    std::get<BrownConrady>(cases.back().camera.lens).k1 = -1e6;  // folds within the image
 
     for (std::size_t i = 0; i < cases.size(); ++i) {
       const PoseEstimate estimate = run(cases[i]);

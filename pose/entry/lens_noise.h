@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Noise that is the same all over an image is not before a wide lens: a fisheye shows the last
+// degrees to its edge small, so that a pixel is many there. Solvers see pixels without lens, and
+// are told by covariances.
+#pragma once
+
+#include "pose/solver.h"
+
+namespace sightline::entry {
+
+/// True where a known noise is to be told so: covariances are not given, sigma is, and the lens is
+/// another than Brown and Conrady's and shows a point far from its axis. (That model bends little;
+/// its noise is taken to be the same without it.)
+bool is_noise_bent(const PoseProblem& problem);
+
+/// The same problem with the noise as covariances, one a pixel.
+PoseProblem with_bent_noise(PoseProblem problem);
+
+/// The estimate, made with bent noise, as one of the problem: in pixels. The unit covariance of a
+/// solver that states none for covariances is that which noise of a pixel in the image leaves to
+/// the points that are kept.
+PoseEstimate in_pixels(PoseEstimate estimate, const PoseSolver& solver, const PoseProblem& problem);
+
+}  // namespace sightline::entry
