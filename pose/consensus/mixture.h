@@ -41,6 +41,9 @@ struct OutlierLaw {
   }
 };
 
+/// How far near outliers err, as a part of the image's root area, where the noise is this part.
+double near_scale(double noise);
+
 /// The law of a cloud's outliers before anything is known of their errors.
 OutlierLaw outlier_law(const Cloud& cloud);
 
@@ -54,9 +57,6 @@ struct Mode {
   double inliers = 0;           ///< sum of the weights
   double log_likelihood = -std::numeric_limits<double>::infinity();
   Matrix6d information = Matrix6d::Zero();  ///< sum of weight J^T J
-  /// The only one there is, every point clearly in or out: of few points, too, those alone are
-  /// tried both ways that are doubtful.
-  bool is_decisive = false;
 };
 
 /// When the fit stops, and how many of the points it looks at.
