@@ -299,14 +299,15 @@ std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBran
   for (const RemovalBranch& b : branches) {
     for (const RemovalHypothesis& h : b.hypotheses) {
       const double weight = std::exp(h.log_weight - best.log_weight);
-      const Vector6d delta = difference(best.pose, h.pose);
       const bool is_of_best_set = h.set == best.set;
+      const bool is_best = &b == chosen && is_of_best_set;
+      const Vector6d delta = is_best ? Vector6d(Vector6d::Zero()) : difference(best.pose, h.pose);
       // Another start may lead to the same minimum: it counts once.
       if (&b != chosen && is_of_best_set && turn_rad(delta) < kCoarseStep) continue;
       total += weight;
       if (is_of_best_set) of_best += weight;
       if (&b == chosen) of_chosen += weight;
-      if (&b == chosen && is_of_best_set) continue;
+      if (is_best) continue;
       if (quadratic_form(best.model.hessian, delta) > kAmbiguousDistance2 * variance) far += weight;
       if (&b == chosen) mean += weight * delta;
     }

@@ -35,6 +35,10 @@ constexpr double kOtherPoses = 0.01;
 /// The root of the sum of squares, in deviations of the noise, that the target's thickness has in
 /// the image where its mirror pose does not fit: seen at 15 degrees it leaves half of it.
 constexpr double kThickness = 20;
+/// Of the image's root area: how far outliers err. Wider than the near ones of mixture.h, for the
+/// linear model has no even density beside it, and outliers of four times the scale cost it a
+/// second look.
+constexpr double kOutlierScale = 0.06;
 
 /// What does not depend on the start.
 struct Few {
@@ -48,6 +52,10 @@ struct Few {
   double area(std::size_t i) const {
     const double area_px2 = image_unit_px * image_unit_px;
     return is_whitened() ? area_px2 * std::abs(points.whitening[i].determinant()) : area_px2;
+  }
+  /// As a part of the image's root area.
+  double outlier_scale() const {
+    return std::max(kOutlierScale, 3 * typical_noise_px / image_unit_px);
   }
 };
 
@@ -73,11 +81,9 @@ std::optional<Few> few_points(const PoseProblem& problem) {
   return few;
 }
 
-/// Outliers err by the near law of the mixture.
 OutlierModel model_of(const Few& few) {
   OutlierOptions options;
-  const double scale = near_scale(few.typical_noise_px / few.image_unit_px);
-  options.scale_px = scale * few.image_unit_px;
+  options.scale_px = few.outlier_scale() * few.image_unit_px;
   return outlier_model(few.points, options);
 }
 
@@ -115,8 +121,9 @@ double chance_of_agreement(const Few& few, double largest_of_area) {
 
 /// Of clouds without any pose, how many poses of three points so many others agree with as well.
 double chance_poses(double n, double kept, double chance) {
-  const double log_ways = std::lgamma(n - 2) - std::lgamma(kept - 2) - std::lgamma(n - kept + 1);
-  return 4 * n * (n - 1) * (n - 2) / 6 * std::exp(log_ways + (kept - 3) * std::log(chance));
+  double others = 1;  // ways to choose kept - 3 of n - 3, and the chance of each
+  for (double k = 1; k <= kept - 3; ++k) others *= (n - 3 - (k - 1)) / k * chance;
+  return 4 * n * (n - 1) * (n - 2) / 6 * others;
 }
 
 /// As of the search.
@@ -144,7 +151,7 @@ std::optional<AtAnswer> look_at(const Few& few, const MeanOverRemovals& mean) {
   const double share =
       (outliers + kPriorOutliers) / (static_cast<double>(n) + kPriorOutliers + kPriorInliers);
   OutlierLaw law;
-  law.scale2 = std::pow(near_scale(few.typical_noise_px / few.image_unit_px), 2);
+  law.scale2 = few.outlier_scale() * few.outlier_scale();
   const auto removed = mean.best.set.span();
   for (std::size_t i = 0; i < n; ++i) {
     const bool is_removed = std::ranges::find(removed, i) != removed.end();
@@ -199,6 +206,14 @@ PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const F
   return estimate;
 }
 
+/// fit_kept, which where nothing is removed and all points have one noise is the mean.
+std::optional<FitOfKept> fit_of(const Few& few, const OutlierModel& s, const PackedPoints& packed,
+                                const MeanOverRemovals& mean) {
+  const bool is_mean = mean.chosen->hypotheses.size() == 1 && mean.best.set.size == 0;
+  if (!is_mean || few.is_whitened()) return fit_kept(s, packed, mean.best);
+  return FitOfKept{mean.mean, mean.covariance / (few.points.sigma * few.points.sigma)};
+}
+
 /// The answer from one start, where it is decisive.
 std::optional<PoseEstimate> decide(const Few& few, const OutlierModel& s,
                                    const PackedPoints& packed, const Pose& start,
@@ -213,7 +228,7 @@ std::optional<PoseEstimate> decide(const Few& few, const OutlierModel& s,
   }
   std::optional<AtAnswer> at = look_at(few, *mean);
   if (!at || !(at->other_poses < kOtherPoses)) return std::nullopt;
-  const std::optional<FitOfKept> fit = fit_kept(s, packed, mean->best);
+  const std::optional<FitOfKept> fit = fit_of(few, s, packed, *mean);
   if (!fit) return std::nullopt;
   return estimate_from(few, *mean, *fit, std::move(*at), false_alarm_rate);
 }

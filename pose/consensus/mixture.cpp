@@ -190,10 +190,6 @@ class MixtureFit {
 
 }  // namespace
 
-double near_scale(double noise) {
-  return std::max(kNearScale, 3 * noise);
-}
-
 OutlierLaw outlier_law(const Cloud& cloud) {
   double noise2 = cloud.sigma * cloud.sigma;
   if (!cloud.areas.empty()) {
@@ -203,8 +199,7 @@ OutlierLaw outlier_law(const Cloud& cloud) {
     noise2 = 1 / *middle;
   }
   OutlierLaw law;
-  const double scale = near_scale(std::sqrt(noise2));
-  law.scale2 = scale * scale;
+  law.scale2 = std::max(kNearScale * kNearScale, 9 * noise2);
   return law;
 }
 

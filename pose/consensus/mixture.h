@@ -41,9 +41,6 @@ struct OutlierLaw {
   }
 };
 
-/// How far near outliers err, as a part of the image's root area, where the noise is this part.
-double near_scale(double noise);
-
 /// The law of a cloud's outliers before anything is known of their errors.
 OutlierLaw outlier_law(const Cloud& cloud);
 
