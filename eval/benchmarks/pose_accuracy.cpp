@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 #include <iostream>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <random>
