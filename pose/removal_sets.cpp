@@ -30,7 +30,7 @@ int own_removal_limit(int n, const OutlierOptions& options) {
 PointPrior prior_of(const Eigen::Matrix2d& information, bool is_sigma_known,
                     const OutlierOptions& options) {
   constexpr double kLeastProbability = 1e-9;
-  constexpr double kLeastScalePx = 1e-3;
+  constexpr double kLeastScalePx = 1e-12;  // in any unit
   constexpr double kLargestScalePx = 1e9;
   // Not std::clamp: what is no number must become one.
   const double probability = options.probability > kLeastProbability

@@ -1,15 +1,20 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iostream>
+#include <string_view>
 
 #include <benchmark/benchmark.h>
 #include <opencv2/core.hpp>
 #include <unistd.h>
 
 #include "eval/benchmarks/benches.h"
+#include "eval/benchmarks/pose_accuracy.h"
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);  // as in the program
+  if (argc > 1 && std::string_view(argv[1]) == "accuracy") {
+    return sightline::run_pose_accuracy(argc - 2, argv + 2);
+  }
   const std::vector<sightline::Comparison> comparisons = {
       sightline::register_absolute_orientation(),
       sightline::register_alignment(),

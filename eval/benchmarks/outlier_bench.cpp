@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // outlier/<solver>/<points>: every solver of the catalogue, start-free, on points with noise of 1
-// px and one outlier. outlier/orpe_weighed/8/k=<outliers>: the same with 0 to 3 outliers.
+// px and one outlier. outlier/<solver>/8/k=<outliers>: the same with 0 to 3 outliers, consensus and
+// orpe_weighed.
 // outlier/<solver>/<points>/<share>: with this percentage of outliers, every solver at few points
 // and those that are made for it at many.
 #include <string>
@@ -44,9 +45,11 @@ Comparison register_outlier() {
           "outlier/" + std::string(solver.name) + "/" + std::to_string(points));
     }
   }
-  for (const int outliers : {0, 1, 2, 3}) {
-    add(*find_pose_solver("orpe_weighed"), {.points = 8, .outliers = outliers},
-        "outlier/orpe_weighed/8/k=" + std::to_string(outliers));
+  for (const std::string solver : {"orpe_weighed", "consensus"}) {
+    for (const int outliers : {0, 1, 2, 3}) {
+      add(*find_pose_solver(solver), {.points = 8, .outliers = outliers},
+          "outlier/" + solver + "/8/k=" + std::to_string(outliers));
+    }
   }
   const auto add_share = [](const PoseSolver& solver, int points, int share) {
     add(solver, {.points = points, .outliers = points * share / 100},
@@ -62,6 +65,8 @@ Comparison register_outlier() {
     for (const auto& [points, share] : {std::pair(50, 50), {200, 90}, {1000, 50}}) {
       add_share(solver, points, share);
     }
+    if (solver.name != "consensus") continue;  // the others take a quarter of a second
+    for (const int share : {90, 95}) add_share(solver, 1000, share);
   }
   return {"outlier", "orpe_weighed", {"huber_tukey", "gnc", "ransac_p3p", "opencv_ransac"}};
 }

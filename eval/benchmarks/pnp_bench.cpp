@@ -5,6 +5,8 @@
 // that refine begin 10 degrees and 5 % off; the others take no start. Besides its time every method
 // states `off_sd`: its root-mean-square distance from the least-squares minimum, as a part of the
 // Cramér-Rao bound's standard deviation of the attitude; peers stop where theirs is comparable.
+//
+// p3p/<method>: all poses of three points, the first three of each problem.
 #include <cmath>
 #include <functional>
 #include <string>
@@ -19,6 +21,7 @@
 #include "eval/benchmarks/benches.h"
 #include "eval/benchmarks/pose_problems.h"
 #include "pose/bounds.h"
+#include "pose/p3p.h"
 
 namespace sightline {
 namespace {
@@ -188,9 +191,34 @@ void add(const std::string& name, const Method& method, bool has_start) {
   }
 }
 
+P3pPoses ours_p3p(const PeerCase& c) {
+  return p3p({c.points[0], c.points[1], c.points[2]},
+             {c.bearings[0], c.bearings[1], c.bearings[2]});
+}
+
+opengv::transformations_t opengv_p3p(const PeerCase& c) {
+  const opengv::absolute_pose::CentralAbsoluteAdapter adapter(c.bearings, c.points);
+  return opengv::absolute_pose::p3p_kneip(adapter, {0, 1, 2});
+}
+
+template <typename Solve>
+void add_p3p(const std::string& name, const Solve& solve) {
+  benchmark::RegisterBenchmark(("p3p/" + name).c_str(), [solve](benchmark::State& state) {
+    std::vector<PeerCase> cases;
+    for (const PoseCase& c : draw_pose_cases({})) cases.push_back(peer_case(c));
+    std::size_t next = 0;
+    for (auto _ : state) {
+      benchmark::DoNotOptimize(solve(cases[next]));
+      next = (next + 1) % cases.size();
+    }
+  });
+}
+
 }  // namespace
 
 Comparison register_pnp() {
+  add_p3p("ours", ours_p3p);
+  add_p3p("opengv_kneip", opengv_p3p);
   add("lspe", lspe, true);
   add("lspe_start_free", lspe, false);
   add("opencv_iterative", opencv_solve(cv::SOLVEPNP_ITERATIVE, true), true);

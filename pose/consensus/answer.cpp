@@ -112,7 +112,7 @@ class Sets {
     WeighedSet set;
     set.outliers = node.outliers;
     set.inliers = n - outliers;
-    if (set.inliers < std::min(n, 4) - (n == 4)) return;
+    if (set.inliers < kMinimumPosePoints) return;  // three agree with any pose of theirs
     const Eigen::LLT<Matrix6d> cholesky(node.hessian);
     if (cholesky.info() != Eigen::Success) return;
     set.step = -cholesky.solve(node.gradient);

@@ -115,21 +115,6 @@ double spread_width(std::vector<double> values) {
   return width > 0 ? width : values.back() - values.front();
 }
 
-/// Pixels on a line are taken for an image of a quarter of its length each way; 0 where all pixels
-/// are one.
-double image_unit_px(const std::vector<UsablePoint>& points, double typical_noise_px) {
-  std::vector<double> u, v;
-  for (const UsablePoint& p : points) {
-    u.push_back(p.pixel.x());
-    v.push_back(p.pixel.y());
-  }
-  const double width = spread_width(std::move(u)), height = spread_width(std::move(v));
-  const double length = std::max(width, height);
-  if (!(length > 0) || !std::isfinite(length)) return 0;
-  const double area = std::max(width * height, length * length / 16);
-  return std::sqrt(std::max(area, kSmallestImage * typical_noise_px * typical_noise_px));
-}
-
 /// Of an ellipse of noise, as the radius of the circle of its area.
 double noise_radius_px(const UsablePoint& point) {
   return 1 / std::sqrt(std::abs(point.whitening.determinant()));
@@ -234,6 +219,21 @@ PreparedCloud failure(PoseStatus status) {
 
 }  // namespace
 
+double image_unit_px(const std::vector<Eigen::Vector2d>& pixels, double typical_noise_px) {
+  std::vector<double> u, v;
+  u.reserve(pixels.size());
+  v.reserve(pixels.size());
+  for (const Eigen::Vector2d& pixel : pixels) {
+    u.push_back(pixel.x());
+    v.push_back(pixel.y());
+  }
+  const double width = spread_width(std::move(u)), height = spread_width(std::move(v));
+  const double length = std::max(width, height);
+  if (!(length > 0) || !std::isfinite(length)) return 0;
+  const double area = std::max(width * height, length * length / 16);
+  return std::sqrt(std::max(area, kSmallestImage * typical_noise_px * typical_noise_px));
+}
+
 std::optional<Pose> rigid_pose(const std::optional<Pose>& pose) {
   if (!pose || !is_manageable(pose->translation) || !pose->rotation.allFinite()) {
     return std::nullopt;
@@ -283,7 +283,9 @@ PreparedCloud prepare_cloud(const PoseProblem& problem) {
   prepared.cloud.ignored = ignored;
   if (points.size() < fewest(initial.has_value())) return prepared;
   const Middle middle = middle_of(points);
-  const double unit_px = image_unit_px(points, typical_noise_px(problem, points));
+  std::vector<Eigen::Vector2d> pixels;
+  for (const UsablePoint& p : points) pixels.push_back(p.pixel);
+  const double unit_px = image_unit_px(pixels, typical_noise_px(problem, points));
   if (!(middle.length > 0) || !(unit_px > 0)) return prepared;
   put_in_hashed_order(points, middle.centre);
   prepared.cloud = cloud_of(problem, points, middle, unit_px);
@@ -293,6 +295,14 @@ PreparedCloud prepare_cloud(const PoseProblem& problem) {
   if (initial) prepared.cloud.initial_cam_from_centred = to_cloud(*initial, prepared.cloud);
   prepared.status = PoseStatus::kOk;
   return prepared;
+}
+
+Cloud with_unknown_noise(Cloud cloud) {
+  cloud.whitening.clear();
+  cloud.areas.clear();
+  cloud.sigma = 0;
+  cloud.screen = screen_points(cloud);
+  return cloud;
 }
 
 Pose from_cloud(const Pose& cam_from_centred, const Cloud& cloud) {

@@ -57,6 +57,11 @@ struct PreparedCloud {
   Cloud cloud;
 };
 
+/// The root of the area over which pixels are spread, those on a line being taken for an image of a
+/// quarter of their length each way; at least some twenty deviations of the noise. 0 where all
+/// pixels are one.
+double image_unit_px(const std::vector<Eigen::Vector2d>& pixels, double typical_noise_px);
+
 /// The points that cannot be used, ascending, as prepare_cloud leaves them out. The lists must be
 /// of one length.
 std::vector<int> unusable_points(const PoseProblem& problem);
@@ -73,6 +78,9 @@ std::optional<Pose> rigid_pose(const std::optional<Pose>& pose);
 /// point. kDegenerate where too few points can be used or are distinct, all of them are collinear
 /// or seen at one pixel, the camera has no positive focal length, or the noise is not a number.
 PreparedCloud prepare_cloud(const PoseProblem& problem);
+
+/// The same points as if nothing were known of their noise.
+Cloud with_unknown_noise(Cloud cloud);
 
 /// From the cloud's frame and unit to the target's, and back.
 Pose from_cloud(const Pose& cam_from_centred, const Cloud& cloud);

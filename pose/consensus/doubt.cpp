@@ -13,9 +13,6 @@ namespace {
 
 constexpr double kCertain = 0.9995;
 constexpr double kImpossible = 1e-3;
-/// Of a decisive mode: what a point as probable moves is a hundredth of its own error.
-constexpr double kCertainOfDecisive = 0.99;
-constexpr double kImpossibleOfDecisive = 0.01;
 
 /// The probability of a point to be an inlier of the pose that the others have: its residual
 /// against the fit without it, and the variance of that (a Schur complement of 2 x 2).
@@ -81,8 +78,6 @@ Sorted sort_by_doubt(const Cloud& cloud, const Mode& mode, const LinearCloud& li
                      std::size_t most_doubtful) {
   const std::size_t n = cloud.size();
   const Matrix6d covariance = covariance_of(cloud, mode, linear);
-  const double least_certain = mode.is_decisive ? kCertainOfDecisive : kCertain;
-  const double most_impossible = mode.is_decisive ? kImpossibleOfDecisive : kImpossible;
   std::vector<double> without(n, 0);
   Sorted sorted;
   for (std::size_t i = 0; i < n; ++i) {
@@ -92,10 +87,9 @@ Sorted sort_by_doubt(const Cloud& cloud, const Mode& mode, const LinearCloud& li
     }
     const double w = mode.weights[i];
     without[i] = probability_without(cloud, mode, covariance, linear.rows[i], i);
-    const bool is_certain = w > least_certain && without[i] > least_certain;
-    const bool is_outlier = w < most_impossible && without[i] < most_impossible;
-    const bool tries_all = n <= most_doubtful && !mode.is_decisive;
-    const bool is_doubtful = tries_all || !(is_certain || is_outlier);
+    const bool is_certain = w > kCertain && without[i] > kCertain;
+    const bool is_outlier = w < kImpossible && without[i] < kImpossible;
+    const bool is_doubtful = n <= most_doubtful || !(is_certain || is_outlier);
     auto& side = is_doubtful ? sorted.doubtful : is_certain ? sorted.certain : sorted.outliers;
     side.push_back(i);
   }

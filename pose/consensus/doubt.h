@@ -42,7 +42,7 @@ struct Sorted {
 };
 
 /// Sorts the points by their probability in the mode and by their odds against a fit without them.
-/// No more points than may be doubtful are all doubtful, unless the mode is decisive.
+/// No more points than may be doubtful are all doubtful.
 Sorted sort_by_doubt(const Cloud& cloud, const Mode& mode, const LinearCloud& linear,
                      std::size_t most_doubtful);
 

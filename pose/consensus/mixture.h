@@ -54,9 +54,6 @@ struct Mode {
   double inliers = 0;           ///< sum of the weights
   double log_likelihood = -std::numeric_limits<double>::infinity();
   Matrix6d information = Matrix6d::Zero();  ///< sum of weight J^T J
-  /// The only one there is, every point clearly in or out: of few points, too, those alone are
-  /// tried both ways that are doubtful.
-  bool is_decisive = false;
 };
 
 /// When the fit stops, and how many of the points it looks at.

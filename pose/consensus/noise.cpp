@@ -15,7 +15,20 @@ double prior_precision(double x, double centre) {
   return 1 / (doubt * doubt);
 }
 
+/// The upper quantile of the normal law.
+double normal_quantile(double tail) {
+  const double t = std::sqrt(-2 * std::log(std::clamp(tail, 1e-12, 0.5)));
+  return t - (2.515517 + t * (0.802853 + t * 0.010328)) /
+                 (1 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
+}
+
 }  // namespace
+
+double chi_square_limit(double degrees, double rate) {
+  const double spread = 2 / (9 * degrees);
+  const double root = 1 - spread + normal_quantile(rate) * std::sqrt(spread);
+  return degrees * root * root * root;
+}
 
 NoisePosterior noise_posterior(double squares, double pairs) {
   constexpr double kRounding = 1e-28;

@@ -24,6 +24,10 @@ struct NoisePosterior {
 /// explained by large noise.
 NoisePosterior noise_posterior(double squares, double pairs);
 
+/// What the sum of squares of so many standard normal numbers exceeds at this rate (Wilson and
+/// Hilferty 1931; Abramowitz and Stegun 26.2.23).
+double chi_square_limit(double degrees, double rate);
+
 /// Parts of the image's root area; of 640 x 480 pixels, 1.1 px.
 inline constexpr double kTypicalNoise = 2e-3;
 inline constexpr double kSmallerNoiseDoubt = 1;

@@ -17,10 +17,10 @@ constexpr std::size_t kMostScored = 1000;
 /// Parts of the image's area beyond which a radius does not count, for either score.
 constexpr double kWidest = 0.02;
 constexpr double kWidestTight = 2e-4;
-/// Agreement counts as significant within five deviations of noise that is known, and within a
-/// fiftieth of the image's width where it is not: data that are absurd agree more roughly.
+/// Agreement counts as significant within five deviations of noise that is known.
 constexpr double kWidestDeviation = 5;
-constexpr double kWidestSignificant = 1e-3;
+/// The chance, at most, that data without any pose are called significant.
+constexpr double kChanceSignificance = 0.01;
 /// The log odds that an inlier must have at least, so that outliers add nothing.
 constexpr double kLeastOdds = 2.2;
 /// The median residual of the points within t is about this part of it.
@@ -40,13 +40,17 @@ double upper_edge(int bin) {
   return std::bit_cast<float>(static_cast<std::uint32_t>(bin + 1 + kFirstBin) << 22);
 }
 
-/// The divergence of Bernoulli laws of chances p and q.
-double divergence(double p, double q) {
+}  // namespace
+
+double bernoulli_divergence(double p, double q) {
   const double yes = p > 0 ? p * std::log(p / q) : 0;
   return p < 1 ? yes + (1 - p) * std::log((1 - p) / (1 - q)) : yes;
 }
 
-}  // namespace
+double least_log_improbability(double triples, double n) {
+  // Of all poses that were tried, and all radii about them.
+  return std::log(3 * triples) + std::log(64 * n) - std::log(kChanceSignificance);
+}
 
 void Scorer::fill(const Pose& pose, std::size_t count) {
   count_ = count;
@@ -98,7 +102,7 @@ Score Scorer::any_noise(double least_square, double widest) const {
     if (chance > widest) break;
     const double share = (within - 3) / others;
     if (within <= 3 || share <= chance) continue;
-    const double total = others * divergence(share, chance);
+    const double total = others * bernoulli_divergence(share, chance);
     const double scale = std::sqrt(0.5 * square) / kScaleOfRadius;
     if (total > best.total) best.total = total, best.scale = scale;
     if (chance <= kWidestTight && total > best.tight_total) {

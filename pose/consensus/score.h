@@ -22,6 +22,20 @@ struct Score {
   double tight_scale = 0;
 };
 
+/// Agreement where the noise is not known counts as significant within a fiftieth of the image's
+/// width, as a part of its area: data that are absurd agree more roughly.
+inline constexpr double kWidestSignificant = 1e-3;
+/// Squared distances below it, as parts of the image's area, are rounding.
+inline constexpr double kLeastSquare = 1e-13;
+
+/// The divergence of Bernoulli laws of chances p and q.
+double bernoulli_divergence(double p, double q);
+
+/// The improbability, as a logarithm, above which agreement of some of n points with the best of
+/// the poses of so many triples, at the best of all radii, is more than chance: so much has one of
+/// a hundred clouds without any pose.
+double least_log_improbability(double triples, double n);
+
 /// Scores poses by at most kMostScored points. Holds a reference to the cloud and the room to work.
 ///
 /// Noise known: the sum over points of max(0, ln(A / (2 pi sigma^2)) - 2.2 - 2 ln(1 + r^2 / (3

@@ -60,9 +60,19 @@ bool is_significant(const PoseProblem& problem, const Residuals& residuals) {
   return log_tests + (k - 3) * log_chance < std::log(kChanceOfNonsense);
 }
 
+/// Whether the solver has answered every question, and the target has no mirror pose to look for.
+bool is_all_said(const PoseProblem& problem, const PoseEstimate& estimate) {
+  if (!estimate.residual_rms_px || !estimate.diagnosis) return false;
+  const Diagnosis& said = *estimate.diagnosis;
+  return said.is_test_failed && said.is_significant && said.is_ambiguous &&
+         problem.points_in_target.size() > kMinimumPosePoints &&
+         is_clearly_solid(problem.points_in_target);
+}
+
 }  // namespace
 
 void judge(const PoseProblem& problem, PoseEstimate& estimate) {
+  if (is_all_said(problem, estimate)) return;
   const Residuals residuals = residuals_of(problem, estimate);
   if (residuals.kept == 0) return;  // an M-estimator that calls all points outliers
   if (!estimate.residual_rms_px) {

@@ -6,15 +6,17 @@
 //   1. Points that cannot be used are left out and listed (pose/consensus/cloud.h).
 //   2. Poses of three points, all or drawn ones, are screened and scored; the best are fitted
 //      (search.h). An initial pose is one more of them, and a mode of a nearly planar target brings
-//      its mirror pose. Of six to twelve points of a solid target with noise that is known the
-//      small sets of orpe_weighed are swept first: where one is decisive, its pose is the only one
-//      that is fitted.
+//      its mirror pose.
 //   3. A fit weighs every point by its probability of being an inlier, the law being a mixture of
 //      noise (known, by covariances, or found) and outliers (anywhere, or near): expectation
 //      maximisation with Gauss-Newton steps (mixture.h).
 //   4. The modes found are carried to the end. The answer is that of the mode of the most evidence:
 //      the mean over the sets of inliers that are probable (answer.h). Another mode that is
 //      probable and far away is the second pose, and makes the answer ambiguous.
+//
+// Of five to twelve points of a solid target with noise that is known small sets of removals are
+// swept first, about one pose: where one is decisive the other sets and poses need not be looked
+// at, and the answer is the mean over the sets, as of 4 (pose/consensus/few_points.h).
 //
 // Ours, after RANSAC (Fischler and Bolles 1981), its local optimisation (Chum, Matas, Kittler
 // 2003), a-contrario model estimation (Moisan and Stival 2004) and mixture models of outliers.
@@ -37,6 +39,8 @@
 
 #include "pose/consensus/answer.h"
 #include "pose/consensus/cloud.h"
+#include "pose/consensus/few_points.h"
+#include "pose/consensus/noise.h"
 #include "pose/consensus/score.h"
 #include "pose/consensus/search.h"
 #include "pose/p3p.h"
@@ -54,15 +58,6 @@ using consensus::Row;
 
 /// Another mode this probable, and this far away, makes the answer ambiguous.
 constexpr double kAmbiguousShare = 0.05;
-/// The chance, at most, that data without any pose are called significant.
-constexpr double kChanceSignificance = 0.01;
-
-/// Few points with noise that is known have the removals of orpe_weighed as a start.
-constexpr std::size_t kMostAtOnce = 12;
-constexpr std::size_t kFewestAtOnce = 6;
-constexpr std::size_t kFewestKeptAtOnce = 5;
-/// So probable must the set be that it removed; the doubtful points about it are tried both ways.
-constexpr double kProbablyRemoved = 0.5;
 
 /// The most probable answer and what competes with it.
 struct Verdict {
@@ -75,6 +70,22 @@ Vector6d step_between(const Pose& from, const Pose& to) {
   step << vector_from_rotation(to.rotation * from.rotation.transpose()),
       to.translation - from.translation;
   return step;
+}
+
+/// How far a pose is from the initial one.
+double distance_from_initial(const Pose& pose, const Pose& initial) {
+  return geodesic_angle_rad(pose.rotation, initial.rotation) +
+         (pose.translation - initial.translation).norm() / initial.translation.norm();
+}
+
+/// Between two poses that both are probable the initial pose decides.
+void prefer_initial(const Cloud& cloud, Answer& best, Answer& other) {
+  if (!cloud.initial_cam_from_centred) return;
+  const Pose& initial = *cloud.initial_cam_from_centred;
+  if (distance_from_initial(other.cam_from_centred, initial) <
+      distance_from_initial(best.cam_from_centred, initial)) {
+    std::swap(best, other);
+  }
 }
 
 std::optional<Verdict> judge(const Cloud& cloud, const consensus::ModeList& modes) {
@@ -95,30 +106,21 @@ std::optional<Verdict> judge(const Cloud& cloud, const consensus::ModeList& mode
     largest = best->far_share / total;
     verdict.second = best->far_cam_from_centred;
   }
-  for (const Answer& other : answers) {
+  Answer* second = nullptr;
+  for (Answer& other : answers) {
     const double share = std::exp(other.log_evidence - best->log_evidence) / total;
     const Vector6d step = step_between(best->cam_from_centred, other.cam_from_centred);
     if (&other == &*best || !(share > largest)) continue;
     if (!(step.dot(*information * step) > consensus::kFarDistance2)) continue;
     largest = share;
-    verdict.second = other.cam_from_centred;
+    second = &other;
+  }
+  if (second != nullptr) {
+    prefer_initial(cloud, *best, *second);
+    verdict.second = second->cam_from_centred;
   }
   verdict.answer = std::move(*best);
   return verdict;
-}
-
-/// The chi-square quantile by the cube root of Wilson and Hilferty (1931); z is that of the normal.
-double chi_square_quantile(double degrees, double z) {
-  const double spread = 2 / (9 * degrees);
-  const double root = 1 - spread + z * std::sqrt(spread);
-  return degrees * root * root * root;
-}
-
-/// The upper quantile of the normal law (Abramowitz and Stegun 26.2.23).
-double normal_quantile(double tail) {
-  const double t = std::sqrt(-2 * std::log(std::clamp(tail, 1e-12, 0.5)));
-  return t - (2.515517 + t * (0.802853 + t * 0.010328)) /
-                 (1 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
 }
 
 /// What the points that are kept say at the answer.
@@ -182,8 +184,7 @@ std::optional<bool> is_test_failed(const Cloud& cloud, const PoseEstimate& estim
   const double residual = *estimate.residual_rms_px / (cloud.sigma * unit_px);
   const double degrees = 2 * kept - 6;
   if (!(degrees > 0)) return false;
-  const double limit = chi_square_quantile(degrees, normal_quantile(false_alarm_rate));
-  return 2 * kept * residual * residual > limit;
+  return 2 * kept * residual * residual > consensus::chi_square_limit(degrees, false_alarm_rate);
 }
 
 /// With three points: the pose that meets them exactly and is nearest to the initial one.
@@ -193,10 +194,8 @@ PoseEstimate solve_three_points(const Cloud& cloud) {
     points[i] = cloud.points_in_centred[i];
     rays[i] = cloud.image[i].cwiseQuotient(cloud.focal).homogeneous();
   }
-  const Pose& initial = *cloud.initial_cam_from_centred;
-  const auto distance = [&initial](const Pose& pose) {
-    return geodesic_angle_rad(pose.rotation, initial.rotation) +
-           (pose.translation - initial.translation).norm() / initial.translation.norm();
+  const auto distance = [&initial = *cloud.initial_cam_from_centred](const Pose& pose) {
+    return distance_from_initial(pose, initial);
   };
   const P3pPoses poses = p3p(points, rays);
   if (poses.count == 0) return estimate_of_failure(PoseStatus::kDegenerate);
@@ -234,103 +233,163 @@ PoseEstimate solve_three_points(const Cloud& cloud) {
   return estimate;
 }
 
-/// The problem without the points that cannot be used and without an initial pose.
-PoseProblem usable_problem(const PoseProblem& problem, const Cloud& cloud) {
-  PoseProblem usable;
-  usable.camera = problem.camera;
-  usable.sigma_px = problem.sigma_px;
+/// What is said of an estimate beyond its pose.
+Diagnosis diagnosis_of(const Cloud& cloud, const Verdict& verdict, const PoseEstimate& estimate,
+                       int triples, double false_alarm_rate) {
+  const Answer& answer = verdict.answer;
+  Diagnosis diagnosis;
+  diagnosis.is_ambiguous = verdict.second.has_value();
+  diagnosis.removed_probability = answer.set_probability;
+  const auto kept = cloud.size() - estimate.removed.size();
+  diagnosis.is_removal_limit_reached = kept <= kMinimumPosePoints && cloud.size() > kept;
+  diagnosis.is_test_failed = is_test_failed(cloud, estimate, false_alarm_rate);
+  diagnosis.most_probable_cam_from_target = consensus::from_cloud(answer.most_probable, cloud);
+  const double n = static_cast<double>(cloud.size());
+  consensus::Scorer scorer(cloud);
+  diagnosis.is_significant = scorer.log_improbability(answer.most_probable) >
+                             consensus::least_log_improbability(triples, n);
+  return diagnosis;
+}
+
+PoseEstimate estimate_by_search(const Cloud& cloud, double false_alarm_rate) {
+  const consensus::Found found = consensus::search(cloud);
+  std::optional<Verdict> verdict = judge(cloud, found.modes);
+  PoseEstimate estimate = estimate_of_failure(PoseStatus::kDegenerate);
+  estimate.ignored = cloud.ignored;
+  if (!verdict) return estimate;
+  Answer& answer = verdict->answer;
+  estimate = estimate_from(cloud, answer);
+  estimate.iterations = found.fits;
+  if (estimate.status != PoseStatus::kOk) return estimate;
+  estimate.covariance =
+      consensus::covariance_from_cloud(answer.covariance, answer.cam_from_centred, cloud);
+  const double unit_px = cloud.whitening.empty() ? cloud.image_unit_px : 1;
+  estimate.noise_px = std::sqrt(answer.variance) * unit_px;
+  if (verdict->second) {
+    estimate.second_cam_from_target = consensus::from_cloud(*verdict->second, cloud);
+  }
+  estimate.diagnosis = diagnosis_of(cloud, *verdict, estimate, found.triples, false_alarm_rate);
+  return estimate;
+}
+
+/// The root mean square of the residuals of the points kept, in the units of the covariances.
+double whitened_rms(const Cloud& cloud, const PoseEstimate& estimate) {
+  const Pose pose = consensus::to_cloud(estimate.cam_from_target, cloud);
+  double squares = 0;
+  int kept = 0;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    double r[2];
+    if (std::ranges::binary_search(estimate.removed, cloud.given_index[i])) continue;
+    if (!consensus::residual_at(cloud, pose, i, r)) continue;
+    squares += r[0] * r[0] + r[1] * r[1];
+    ++kept;
+  }
+  return std::sqrt(squares / (2 * kept));
+}
+
+/// The points that can be used, and which of those given they are.
+struct UsableProblem {
+  PoseProblem problem;
+  std::vector<int> given_index;
+};
+
+UsableProblem usable_problem(const PoseProblem& problem, const Cloud& cloud) {
+  UsableProblem usable;
+  usable.problem.camera = problem.camera;
+  usable.problem.sigma_px = problem.sigma_px;
+  usable.problem.initial_cam_from_target = consensus::rigid_pose(problem.initial_cam_from_target);
   for (std::size_t i = 0; i < problem.pixels.size(); ++i) {
-    if (std::ranges::binary_search(cloud.ignored, static_cast<int>(i))) continue;
-    usable.points_in_target.push_back(problem.points_in_target[i]);
-    usable.pixels.push_back(problem.pixels[i]);
+    const int index = static_cast<int>(i);
+    if (std::ranges::binary_search(cloud.ignored, index)) continue;
+    usable.given_index.push_back(index);
+    usable.problem.points_in_target.push_back(problem.points_in_target[i]);
+    usable.problem.pixels.push_back(problem.pixels[i]);
     if (problem.covariances_px2.empty()) continue;
-    usable.covariances_px2.push_back(problem.covariances_px2[i]);
+    usable.problem.covariances_px2.push_back(problem.covariances_px2[i]);
   }
   return usable;
 }
 
-/// The start that a sweep over small sets of removals gives in some microseconds, where it is
-/// decisive: what it keeps looks like noise, and no other set or pose is nearly as probable.
-std::optional<Pose> decisive_start(const PoseProblem& problem, const Cloud& cloud) {
-  const std::size_t n = cloud.size();
-  if (n < kFewestAtOnce || n > kMostAtOnce) return std::nullopt;
-  if (!cloud.is_sigma_known()) return std::nullopt;
-  if (!is_clearly_solid(cloud.points_in_centred)) return std::nullopt;
-  SolverOptions options;  // no number in pixels: normalised coordinates give the same answer
-  options.outliers.scale_px = std::sqrt(consensus::outlier_law(cloud).scale2) * cloud.image_unit_px;
-  const bool is_whole = cloud.ignored.empty() && !problem.initial_cam_from_target;
-  const PoseEstimate swept =
-      solve_orpe_weighed(is_whole ? problem : usable_problem(problem, cloud), options);
-  if (swept.status != PoseStatus::kOk || n - swept.removed.size() < kFewestKeptAtOnce) {
-    return std::nullopt;
-  }
-  const Diagnosis& said = *swept.diagnosis;
-  const bool is_doubtful = said.is_ambiguous.value_or(true) || said.is_test_failed.value_or(true) ||
-                           said.removed_probability.value_or(0) < kProbablyRemoved;
-  if (is_doubtful) return std::nullopt;
-  return consensus::to_cloud(*said.most_probable_cam_from_target, cloud);
+/// Whether a free start leads to residuals that are clearly smaller than those from the initial
+/// pose.
+bool is_clearly_better(const Cloud& cloud, const PoseEstimate& free, const PoseEstimate& started) {
+  constexpr double kClearly = 1.5;
+  if (free.status != PoseStatus::kOk) return false;
+  return started.status != PoseStatus::kOk ||
+         whitened_rms(cloud, started) > kClearly * whitened_rms(cloud, free);
 }
 
-/// The mode at that start, in place of a search.
-std::optional<consensus::Found> found_at_once(const PoseProblem& problem, const Cloud& cloud) {
-  const std::optional<Pose> start = decisive_start(problem, cloud);
-  if (!start) return std::nullopt;
-  consensus::Mode mode;
-  mode.cam_from_centred = *start;
-  mode.law = consensus::outlier_law(cloud);
-  if (!consensus::fit_mixture(cloud, cloud.sigma, {30, 1e-7}, mode)) return std::nullopt;
-  if (mode.inliers < kFewestKeptAtOnce - 0.5) return std::nullopt;
-  mode.is_decisive = true;
-  consensus::Found found;
-  const int n = static_cast<int>(cloud.size());
-  found.triples = n * (n - 1) * (n - 2) / 6;  // that it stands for
-  found.fits = 1;
-  found.modes.add(std::move(mode));
-  return found;
+/// The removals of orpe_weighed, which has a pose whatever the residuals are: as if the noise were
+/// so large as what is kept says, each point's in proportion.
+PoseEstimate estimate_of_few_understated(const PoseProblem& problem, const Cloud& cloud) {
+  UsableProblem usable = usable_problem(problem, cloud);
+  const auto removals = [&] {
+    PoseEstimate estimate = solve_orpe_weighed(usable.problem, {});
+    estimate.ignored = cloud.ignored;
+    for (int& index : estimate.removed) index = usable.given_index[static_cast<std::size_t>(index)];
+    return estimate;
+  };
+  PoseEstimate estimate = removals();
+  if (usable.problem.initial_cam_from_target) {
+    usable.problem.initial_cam_from_target.reset();
+    PoseEstimate free = removals();
+    if (is_clearly_better(cloud, free, estimate)) estimate = std::move(free);
+  }
+  if (estimate.status != PoseStatus::kOk) return estimate;
+  const std::size_t kept = cloud.size() - estimate.removed.size();
+  const double unit_px = cloud.whitening.empty() ? cloud.image_unit_px : 1;
+  const double sigma = cloud.sigma * unit_px;
+  const double rms = whitened_rms(cloud, estimate) * unit_px;
+  const double degrees = std::max(2 * static_cast<double>(kept) - 6, 1.0);
+  const double noise = std::max(rms * std::sqrt(2 * static_cast<double>(kept) / degrees), sigma);
+  estimate.residual_rms_px = rms;
+  estimate.noise_px = noise;
+  *estimate.covariance *= noise * noise / (sigma * sigma);
+  std::vector<double> probabilities(cloud.size() + cloud.ignored.size(), 1);
+  for (const int i : estimate.removed) probabilities[static_cast<std::size_t>(i)] = 0;
+  for (const int i : cloud.ignored) probabilities[static_cast<std::size_t>(i)] = 0;
+  estimate.inlier_probabilities = std::move(probabilities);
+  estimate.diagnosis->is_removal_limit_reached = kept <= kMinimumPosePoints;
+  estimate.diagnosis->is_significant = false;
+  return estimate;
+}
+
+/// Where noise of the size that was stated explains no pose: with noise that is found, which says
+/// of itself that it is not the one stated.
+PoseEstimate estimate_of_understated(const PoseProblem& problem, const Cloud& cloud,
+                                     double false_alarm_rate) {
+  if (cloud.size() <= consensus::kMostOfFew) {
+    PoseEstimate few = estimate_of_few_understated(problem, cloud);
+    if (few.status == PoseStatus::kOk) few.diagnosis->is_test_failed = true;
+    if (few.status == PoseStatus::kOk) return few;
+  }
+  PoseEstimate estimate =
+      estimate_by_search(consensus::with_unknown_noise(cloud), false_alarm_rate);
+  if (estimate.status != PoseStatus::kOk) return estimate;
+  estimate.diagnosis->is_test_failed = true;
+  if (cloud.whitening.empty()) return estimate;
+  estimate.residual_rms_px = estimate.noise_px = whitened_rms(cloud, estimate);
+  return estimate;
 }
 
 }  // namespace
 
 PoseEstimate solve_consensus(const PoseProblem& problem, const SolverOptions& options) {
+  const double false_alarm_rate = options.outliers.false_alarm_rate;
+  if (std::optional<PoseEstimate> few = consensus::estimate_of_few(problem, false_alarm_rate)) {
+    return *std::move(few);
+  }
   const consensus::PreparedCloud prepared = consensus::prepare_cloud(problem);
   const Cloud& cloud = prepared.cloud;
-  PoseEstimate failure = estimate_of_failure(prepared.status);
-  failure.ignored = cloud.ignored;
-  if (prepared.status != PoseStatus::kOk) return failure;
-  if (cloud.size() == 3) return solve_three_points(cloud);
-
-  const std::optional<consensus::Found> at_once = found_at_once(problem, cloud);
-  const consensus::Found found = at_once ? *at_once : consensus::search(cloud);
-  std::optional<Verdict> verdict = judge(cloud, found.modes);
-  failure.status = PoseStatus::kDegenerate;
-  if (!verdict) return failure;
-  Answer& answer = verdict->answer;
-  PoseEstimate estimate = estimate_from(cloud, answer);
-  estimate.iterations = found.fits;
-  if (estimate.status != PoseStatus::kOk) return estimate;
-
-  estimate.covariance =
-      consensus::covariance_from_cloud(answer.covariance, answer.cam_from_centred, cloud);
-  const double unit_px = cloud.whitening.empty() ? cloud.image_unit_px : 1;
-  estimate.noise_px = std::sqrt(answer.variance) * unit_px;
-  Diagnosis diagnosis;
-  diagnosis.is_ambiguous = verdict->second.has_value();
-  if (verdict->second) {
-    estimate.second_cam_from_target = consensus::from_cloud(*verdict->second, cloud);
+  if (prepared.status != PoseStatus::kOk) {
+    PoseEstimate failure = estimate_of_failure(prepared.status);
+    failure.ignored = cloud.ignored;
+    return failure;
   }
-  diagnosis.removed_probability = answer.set_probability;
-  const auto kept = cloud.size() - estimate.removed.size();
-  diagnosis.is_removal_limit_reached = kept <= kMinimumPosePoints && cloud.size() > kept;
-  diagnosis.is_test_failed = is_test_failed(cloud, estimate, options.outliers.false_alarm_rate);
-  diagnosis.most_probable_cam_from_target = consensus::from_cloud(answer.most_probable, cloud);
-  // Of all poses that were tried, and all radii about them.
-  const double n = static_cast<double>(cloud.size());
-  const double log_tests = std::log(3.0 * found.triples) + std::log(64 * n);
-  consensus::Scorer scorer(cloud);
-  diagnosis.is_significant =
-      scorer.log_improbability(answer.most_probable) > log_tests - std::log(kChanceSignificance);
-  estimate.diagnosis = diagnosis;
-  return estimate;
+  if (cloud.size() == 3) return solve_three_points(cloud);
+  PoseEstimate estimate = estimate_by_search(cloud, false_alarm_rate);
+  if (estimate.status == PoseStatus::kOk || !cloud.is_sigma_known()) return estimate;
+  return estimate_of_understated(problem, cloud, false_alarm_rate);
 }
 
 }  // namespace sightline

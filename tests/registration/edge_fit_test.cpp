@@ -77,7 +77,7 @@ double distance_to_an_edge_m(const Eigen::Vector3d& point) {
 TEST(EdgePoints, LieOnOutlineAndCreases) {
   for (const double k1 : {0.0, -0.3}) {
     Scene scene = brick_scene();
-    scene.camera.distortion.k1 = k1;
+    scene.camera.lens = BrownConrady{.k1 = k1};
     const Mesh mesh = brick();
     BasisDrawer drawer(mesh, scene.camera);
     BasisOptions options;

@@ -275,6 +275,81 @@ TEST_P(AnyInput, MirroredTargetIsFlagged) {
   EXPECT_GE(flagged, kDraws - 1);
 }
 
+/// The same rays as of a camera of 1024 px, by K = I.
+PoseProblem in_normalised_coordinates(const PoseProblem& problem) {
+  PoseProblem normalised = problem;
+  normalised.camera = {.width_px = 2,
+                       .height_px = 2,
+                       .fx_px = 1,
+                       .fy_px = 1,
+                       .cx_px = 0,
+                       .cy_px = 0,
+                       .lens = {}};
+  for (auto& u : normalised.pixels) u = (u - Eigen::Vector2d(319.5, 239.5)) / 1024;
+  for (auto& covariance : normalised.covariances_px2) covariance /= 1024.0 * 1024.0;
+  normalised.sigma_px /= 1024;
+  return normalised;
+}
+
+/// Solid and planar, noise told, by covariances or not at all, with and without an initial pose.
+TEST_P(AnyInput, UnitsDoNotMatterWhateverIsKnown) {
+  if (is("opencv_ransac")) GTEST_SKIP() << "its samples of five find no consensus here";
+  Draw draw(115);
+  for (int i = 0; i < 24; ++i) {
+    Synthetic s = near_box(draw, i % 2);
+    s.problem.camera = centred_camera(640, 480, 1024);
+    for (std::size_t k = 0; k < 10; ++k) {
+      s.problem.pixels[k] =
+          project(s.problem.camera, s.cam_from_target * s.problem.points_in_target[k]).value();
+    }
+    add_noise(s.problem, 1, draw);
+    add_outlier(s.problem, 1, 60, draw);
+    if (i / 2 % 3 == 0) s.problem.sigma_px = 1;
+    if (i / 2 % 3 == 1) s.problem.covariances_px2.assign(10, Eigen::Vector2d(1, 2).asDiagonal());
+    if (i / 6 % 2 == 0) {
+      s.problem.initial_cam_from_target = {draw.rotation_by(0.05) * s.cam_from_target.rotation,
+                                           s.cam_from_target.translation};
+    }
+    const PoseEstimate a = run(s.problem), b = run(in_normalised_coordinates(s.problem));
+    ASSERT_EQ(a.status, b.status) << i;
+    if (a.status != PoseStatus::kOk) continue;
+    EXPECT_EQ(a.removed, b.removed) << i;
+    EXPECT_TRUE(is_pose_near(b.cam_from_target, a.cam_from_target, 1e-6, 1e-5)) << i;
+    ASSERT_EQ(a.residual_rms_px.has_value(), b.residual_rms_px.has_value());
+    if (!a.residual_rms_px) continue;
+    const double unit = s.problem.covariances_px2.empty() ? 1024 : 1;
+    EXPECT_NEAR(*b.residual_rms_px * unit / *a.residual_rms_px, 1, 1e-4) << i;
+    EXPECT_EQ(is_test_failed(a), is_test_failed(b)) << i;
+    EXPECT_EQ(is_ambiguous(a), is_ambiguous(b)) << i;
+    EXPECT_EQ(a.diagnosis->is_significant, b.diagnosis->is_significant) << i;
+  }
+}
+
+/// Random shares of outliers and pixels without any pose: what every solver says of its answer is
+/// what its residuals are, and nonsense is never taken for a pose.
+TEST_P(AnyInput, EverySolverSaysWhatItLeavesAndFlagsNonsense) {
+  Draw draw(116);
+  int flagged = 0, answered = 0;
+  for (int i = 0; i < 20; ++i) {
+    Synthetic s = near_box(draw);
+    add_noise(s.problem, 0.5, draw);
+    s.problem.sigma_px = i % 2 ? 0.5 : 0;
+    for (int k = 0; k < i % 4; ++k) add_outlier(s.problem, k, 80, draw);
+    const PoseEstimate estimate = run(s.problem);
+    if (estimate.status != PoseStatus::kOk) continue;
+    const Diagnosis said = estimate.diagnosis.value();
+    EXPECT_TRUE(said.is_ambiguous.has_value() || !estimate.residual_rms_px);
+    EXPECT_TRUE(is_free_of_nan(estimate));
+    PoseProblem nonsense = s.problem;
+    for (auto& pixel : nonsense.pixels) pixel = {draw.uniform(0, 639), draw.uniform(0, 479)};
+    const PoseEstimate none = run(nonsense);
+    if (none.status != PoseStatus::kOk || !none.residual_rms_px) continue;
+    ++answered;
+    flagged += is_test_failed(none) || !none.diagnosis->is_significant.value();
+  }
+  EXPECT_EQ(flagged, answered);
+}
+
 /// The same rays, by a camera of 1024 px and by K = I.
 TEST_P(AnyInput, NormalisedCoordinatesGiveTheSameAnswer) {
   Draw draw(112);
@@ -288,12 +363,7 @@ TEST_P(AnyInput, NormalisedCoordinatesGiveTheSameAnswer) {
     add_noise(s.problem, 1, draw);
     add_outlier(s.problem, 1, 60, draw);
     s.problem.sigma_px = sigma_px;
-    PoseProblem normalised = s.problem;
-    normalised.camera = {
-        .width_px = 2, .height_px = 2, .fx_px = 1, .fy_px = 1, .cx_px = 0, .cy_px = 0, .lens = {}};
-    for (auto& u : normalised.pixels) u = (u - Eigen::Vector2d(319.5, 239.5)) / 1024;
-    normalised.sigma_px = sigma_px / 1024;
-    const PoseEstimate a = run(s.problem), b = run(normalised);
+    const PoseEstimate a = run(s.problem), b = run(in_normalised_coordinates(s.problem));
     ASSERT_EQ(a.status, PoseStatus::kOk);
     ASSERT_EQ(b.status, PoseStatus::kOk);
     EXPECT_EQ(a.removed, b.removed);
