@@ -17,7 +17,6 @@
 #include "renderer/screen.h"
 #include "renderer/sensor.h"
 #include "renderer/shading.h"
-#include "renderer/texture.h"
 #include "renderer/truth.h"
 #include "scenes/files/input_error.h"
 
@@ -185,7 +184,7 @@ struct Renderer::Impl {
       Resolver resolver(bodies, scene, screen, pattern);
       resolve<float>(resolver, pattern, watch, image);
     } else {
-      ColourResolver resolver(bodies, scene, screen, pattern, textures);
+      ColourResolver resolver(bodies, scene, screen, pattern, colours);
       resolve<cv::Vec3f>(resolver, pattern, watch, image);
     }
   }
@@ -212,12 +211,12 @@ struct Renderer::Impl {
 
   cv::Mat linear(const Scene& scene) {
     const cv::Size size(scene.camera.width_px, scene.camera.height_px);
-    const cv::Mat background = needs_colour(scene) ? colour_background_image(scene.background, size)
-                                                   : background_image(scene.background, size);
+    cv::Mat background = needs_colour(scene) ? colour_background_image(scene.background, size)
+                                             : background_image(scene.background, size);
     const int poses = scene.motion.is_still() ? 1 : scene.motion.samples;
     cv::Mat sum;
     for (int i = 0; i < poses; ++i) {
-      cv::Mat image = background.clone();
+      cv::Mat image = i + 1 == poses ? background : background.clone();
       draw(scene, pose_at(scene, (i + 0.5) / poses - 0.5), image);
       if (i == 0) {
         sum = image;
@@ -234,7 +233,7 @@ struct Renderer::Impl {
   // Kept between frames for their memory.
   std::vector<ScreenTriangle> triangles;
   VisibleStrip strip;
-  TextureCache textures;
+  ColourMemory colours;
   DrawTimes times;
 };
 
