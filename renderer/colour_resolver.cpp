@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/LU>
 
@@ -20,6 +21,19 @@ double minor_axis(const Eigen::Matrix2d& map) {
   const double determinant = map.determinant();
   const double root = std::sqrt(std::max(0.0, squares * squares - 4 * determinant * determinant));
   return std::sqrt(std::max(0.0, (squares - root) / 2));
+}
+
+// How much of a sample a surface of this alpha covers.
+float opacity(const Paint& paint, float alpha) {
+  switch (paint.alpha_mode) {
+    case AlphaMode::kMask:
+      return static_cast<double>(alpha) >= paint.material.alpha_cutoff ? 1.0f : 0.0f;
+    case AlphaMode::kBlend:
+      return std::max(0.0f, alpha);
+    case AlphaMode::kOpaque:
+      break;
+  }
+  return 1;
 }
 
 }  // namespace
@@ -50,7 +64,8 @@ ColourResolver::ColourResolver(const std::vector<PlacedBody>& bodies, const Scen
       u_(groups_.size()),
       v_(groups_.size()),
       of_base_(4 * groups_.size()),
-      own_(4 * groups_.size()) {
+      own_(4 * groups_.size()),
+      layer_(groups_.size()) {
   const bool is_grey = scene.colouring.mode == ColourMode::kGrey;
   for (size_t b = 0; b < bodies.size(); ++b) {
     shaders_.emplace_back(bodies[b], scene.light, is_grey, scene.colouring.draws_textures,
@@ -160,8 +175,31 @@ void ColourResolver::light_samples(const Group& group, const ColourShader& shade
   }
 }
 
-// Adds the light of a group's samples.
-void ColourResolver::add(const Group& group, Eigen::Array4f& sum) {
+// Says in painted_ how the samples of a group look textures up.
+void ColourResolver::look_at_textures(const Paint& paint, float level, bool has_detail) {
+  // A sample is finer than its pixel.
+  const float sample_level = level - sample_levels_;
+  painted_.base = nullptr;
+  if (paint.base != nullptr) {
+    base_ = paint.base->lookup(paint.material.base_texture, sample_level);
+    painted_.base = &base_;
+  }
+  painted_.emission = nullptr;
+  if (paint.emissive != nullptr) {
+    emission_ = paint.emissive->lookup(paint.material.emissive_texture,
+                                       sample_level + paint.emissive_shift);
+    painted_.emission = &emission_;
+  }
+  painted_.x = x_.data();
+  painted_.y = y_.data();
+  Eigen::Map<Eigen::Array4f>(painted_.emitted) = paint.emitted;
+  painted_.of_base = of_base_.data();
+  painted_.own = own_.data();
+  painted_.light_step = has_detail ? 4 : 0;
+}
+
+// Lights a group's samples: what painted_, of_base_ and own_ say is theirs.
+ColourResolver::Lit ColourResolver::light_group(const Group& group) {
   const size_t b = body_of(bodies_, group.id);
   const ColourShader& shader = shaders_[b];
   const int triangle = static_cast<int>(group.id - bodies_[b].first_id);
@@ -179,38 +217,74 @@ void ColourResolver::add(const Group& group, Eigen::Array4f& sum) {
   }
   const int lights = has_detail ? group.count : 1;
   for (int i = 0; i < lights; ++i) {
-    Eigen::Map<Eigen::Array4f>(of_base_.data() + 4 * i) *= paint.factor;
-    if (paint.emissive == nullptr) {
-      Eigen::Map<Eigen::Array4f>(own_.data() + 4 * i) += paint.emitted;
+    Eigen::Map<Eigen::Array4f> of_base(of_base_.data() + 4 * i);
+    Eigen::Map<Eigen::Array4f> own(own_.data() + 4 * i);
+    of_base[3] = 1;  // of alpha, which takes no light
+    of_base *= paint.factor;
+    if (paint.emissive == nullptr) own += paint.emitted;
+    own[3] = 0;
+  }
+  if (paint.is_painted) look_at_textures(paint, level, has_detail);
+  return {paint, lights};
+}
+
+// Of a surface without texture.
+Eigen::Array4f ColourResolver::flat_light(int light) const {
+  return (Eigen::Map<const Eigen::Array4f>(of_base_.data() + 4 * light) +
+          Eigen::Map<const Eigen::Array4f>(own_.data() + 4 * light))
+      .min(1.0f);
+}
+
+// Adds the light of a group's samples.
+void ColourResolver::add(const Group& group, Eigen::Array4f& sum) {
+  const Lit lit = light_group(group);
+  if (lit.paint.is_painted) {
+    add_painted(painted_, sum.data());
+  } else if (lit.lights == 1) {
+    sum += flat_light(0) * static_cast<float>(group.count);
+  } else {
+    for (int i = 0; i < lit.lights; ++i) sum += flat_light(i);
+  }
+}
+
+bool ColourResolver::is_see_through() const {
+  return std::any_of(shaders_.begin(), shaders_.end(),
+                     [](const ColourShader& shader) { return shader.is_see_through(); });
+}
+
+bool ColourResolver::add_layer(int x, int y, const uint32_t* ids, float* nearness,
+                               Eigen::Array4f* samples) {
+  enter_pixel(x, y);
+  group(ids);
+  bool lets_through = false;
+  for (size_t g = 0; g < known_; ++g) {
+    const Group& seen = groups_[g];
+    if (seen.id == 0) continue;
+    const Lit lit = light_group(seen);
+    if (lit.paint.is_painted) paint_each(painted_, layer_.front().data());
+    for (int i = 0; i < seen.count; ++i) {
+      const int k = order_[static_cast<size_t>(seen.begin + i)];
+      const Eigen::Array4f light = lit.paint.is_painted ? layer_[static_cast<size_t>(i)]
+                                                        : flat_light(lit.lights == 1 ? 0 : i);
+      const float alpha = opacity(lit.paint, light[3]);
+      const float through = samples[k][3];
+      samples[k].head<3>() += through * alpha * light.head<3>();
+      samples[k][3] = through * (1 - alpha);
+      if (samples[k][3] > 0) {
+        lets_through = true;
+      } else {
+        nearness[k] = -std::numeric_limits<float>::max();
+      }
     }
   }
-  if (!paint.is_painted) {
-    for (int i = 0; i < lights; ++i) {
-      const Eigen::Array4f light = Eigen::Map<const Eigen::Array4f>(of_base_.data() + 4 * i) +
-                                   Eigen::Map<const Eigen::Array4f>(own_.data() + 4 * i);
-      sum += light.min(1.0f) * static_cast<float>(has_detail ? 1 : group.count);
-    }
-    return;
-  }
-  TexelLookup base, emission;
-  // A sample is finer than its pixel.
-  const float sample_level = level - sample_levels_;
-  if (paint.base != nullptr) {
-    base = paint.base->lookup(paint.material.base_texture, sample_level);
-  }
-  if (paint.emissive != nullptr) {
-    emission = paint.emissive->lookup(paint.material.emissive_texture,
-                                      sample_level + paint.emissive_shift);
-  }
-  painted_.x = x_.data();
-  painted_.y = y_.data();
-  painted_.base = paint.base != nullptr ? &base : nullptr;
-  painted_.emission = paint.emissive != nullptr ? &emission : nullptr;
-  Eigen::Map<Eigen::Array4f>(painted_.emitted) = paint.emitted;
-  painted_.of_base = of_base_.data();
-  painted_.own = own_.data();
-  painted_.light_step = has_detail ? 4 : 0;
-  add_painted(painted_, sum.data());
+  return lets_through;
+}
+
+Eigen::Array3f ColourResolver::mean(const Eigen::Array4f* samples,
+                                    const Eigen::Array3f& background) const {
+  Eigen::Array4d sum = Eigen::Array4d::Zero();
+  for (int k = 0; k < pattern_.count; ++k) sum += samples[k].cast<double>();
+  return ((sum.head<3>() + sum[3] * background.cast<double>()) / pattern_.count).cast<float>();
 }
 
 Eigen::Array3f ColourResolver::mean(int x, int y, const uint32_t* ids,

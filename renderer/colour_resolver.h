@@ -37,6 +37,17 @@ class ColourResolver {
   /// `background`. Linear red, green, blue.
   Eigen::Array3f mean(int x, int y, const uint32_t* ids, const Eigen::Array3f& background);
 
+  /// Some surface shows what is behind: then pixels are made of layers, the nearest first. Alpha is
+  /// that of glTF: a mask's surface is there where it reaches the cutoff, a blend lets 1 - alpha of
+  /// what is behind through.
+  bool is_see_through() const;
+  /// Adds what `ids` see behind the layers before to the pixel's samples, four numbers each: light,
+  /// and the part that is let through, which begin as 0, 0, 0, 1. `nearness` becomes -FLT_MAX where
+  /// nothing is let through. True when something is.
+  bool add_layer(int x, int y, const uint32_t* ids, float* nearness, Eigen::Array4f* samples);
+  /// The mean of samples that layers have been added to.
+  Eigen::Array3f mean(const Eigen::Array4f* samples, const Eigen::Array3f& background) const;
+
  private:
   // The samples of a pixel that see one triangle, the nearest to the pixel's centre first.
   struct Group {
@@ -49,7 +60,14 @@ class ColourResolver {
   void group(const uint32_t* ids);
   Eigen::Vector3d ray_of(int sample) const;
   const SurfacePlane& plane_of(uint32_t id, const ColourShader& shader, int triangle);
+  struct Lit {
+    const Paint& paint;
+    int lights;  // in of_base_ and own_: one for all samples, or one each
+  };
+  Lit light_group(const Group& group);
+  void look_at_textures(const Paint& paint, float level, bool has_detail);
   void add(const Group& group, Eigen::Array4f& sum);
+  Eigen::Array4f flat_light(int light) const;
   float anchor(const Group& group, const SurfacePlane& plane, const Paint& paint);
   void light_samples(const Group& group, const ColourShader& shader, const SurfacePlane& plane,
                      int triangle, float level);
@@ -72,6 +90,8 @@ class ColourResolver {
   PaintedSamples painted_;
   std::vector<float> x_, y_, u_, v_;
   std::vector<float> of_base_, own_;
+  TexelLookup base_, emission_;
+  std::vector<Eigen::Array4f> layer_;  // of the group's samples: light and alpha
   Eigen::Vector2f uv_ = Eigen::Vector2f::Zero();
 };
 

@@ -118,7 +118,7 @@ Paint ColourShader::paint_of(const Part& part, bool draws_textures, TextureCache
   if (is_grey_) return paint;
   paint.is_dull = !material.has_gloss;
   if (material.has_gloss) paint.glow = GlowCurve(material.roughness * material.roughness);
-  paint.emits = material.emissive != Material{}.emissive;
+  paint.alpha_mode = material.alpha_mode;
   for (size_t c = 0; c < 3; ++c) {
     paint.emitted[static_cast<Eigen::Index>(c)] = static_cast<float>(material.emissive[c]);
   }
@@ -130,6 +130,11 @@ Paint ColourShader::paint_of(const Part& part, bool draws_textures, TextureCache
 
 bool ColourShader::has_detail() const {
   return shadow_ != nullptr || light_.specular > 0 || hits_.body().stripe_contrast > 0;
+}
+
+bool ColourShader::is_see_through() const {
+  return std::any_of(paints_.begin(), paints_.end(),
+                     [](const Paint& paint) { return paint.alpha_mode != AlphaMode::kOpaque; });
 }
 
 SurfacePlane ColourShader::plane_of(int triangle) const {

@@ -47,10 +47,10 @@ struct Paint {
   Material material;
   Eigen::Array4f factor = Eigen::Array4f::Ones();  ///< on the texture's colour
   Eigen::Array4f emitted = Eigen::Array4f::Zero();
-  bool is_dull = true;       ///< after Lambert, with the highlights of [light]
-  bool is_painted = false;   ///< the corners carry something that is drawn
-  bool has_colours = false;  ///< they carry colours that are not all white
-  bool emits = false;
+  bool is_dull = true;                        ///< after Lambert, with the highlights of [light]
+  bool is_painted = false;                    ///< the corners carry something that is drawn
+  bool has_colours = false;                   ///< they carry colours that are not all white
+  AlphaMode alpha_mode = AlphaMode::kOpaque;  ///< opaque in grey, whatever the material
   const TexturePyramid* base = nullptr;
   const TexturePyramid* gloss = nullptr;
   const TexturePyramid* emissive = nullptr;
@@ -81,6 +81,8 @@ class ColourShader {
   /// say how it is reflected.
   ColourLight light_at(const SurfaceHit& hit, const Eigen::Vector2f& uv, float level) const;
 
+  /// Some part of it shows what is behind.
+  bool is_see_through() const;
   const Paint& paint(int triangle) const { return paints_[part_of(triangle)]; }
   /// As in Shader: each sample wants its own light.
   bool has_detail() const;

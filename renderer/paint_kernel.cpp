@@ -221,30 +221,50 @@ inline void colour(const PaintedSamples& s, const Eight& eight, const Floats& u,
   }
 }
 
-SIGHTLINE_MULTIVERSION
-void add_all(const PaintedSamples& s, float* sum) {
-  Floats4 total, of_base, own, emitted;
-  load(sum, total);
+// Finds the light of eight samples, clipped at white.
+inline void light_eight(const PaintedSamples& s, int begin, int& count, Floats4 (&lights)[kLanes]) {
+  Floats4 of_base, own, emitted;
   load(s.emitted, emitted);
   const Floats4 white = {1, 1, 1, 1};
+  Eight eight;
+  find_eight(s, begin, eight);
+  count = eight.count;
+  Floats u, v;
+  carry_uv(s, eight, u, v);
+  Floats4 colours[kLanes], emission[kLanes];
+  colour(s, eight, u, v, colours);
+  if (s.emission != nullptr) look_up_lanes(*s.emission, u, v, count, emission);
+  for (int k = 0; k < count; ++k) {
+    const ptrdiff_t at = static_cast<ptrdiff_t>(begin + k) * s.light_step;
+    load(s.of_base + at, of_base);
+    load(s.own + at, own);
+    Floats4 light = of_base * colours[k] + own;
+    if (s.emission != nullptr) light += emitted * emission[k];
+    lights[k] = light < white ? light : white;
+  }
+}
+
+SIGHTLINE_MULTIVERSION
+void add_all(const PaintedSamples& s, float* sum) {
+  Floats4 total;
+  load(sum, total);
   for (int begin = 0; begin < s.count; begin += kLanes) {
-    Eight eight;
-    find_eight(s, begin, eight);
-    Floats u, v;
-    carry_uv(s, eight, u, v);
-    Floats4 colours[kLanes], emission[kLanes];
-    colour(s, eight, u, v, colours);
-    if (s.emission != nullptr) look_up_lanes(*s.emission, u, v, eight.count, emission);
-    for (int k = 0; k < eight.count; ++k) {
-      const ptrdiff_t at = static_cast<ptrdiff_t>(begin + k) * s.light_step;
-      load(s.of_base + at, of_base);
-      load(s.own + at, own);
-      Floats4 light = of_base * colours[k] + own;
-      if (s.emission != nullptr) light += emitted * emission[k];
-      total += light < white ? light : white;
-    }
+    Floats4 lights[kLanes];
+    int count = 0;
+    light_eight(s, begin, count, lights);
+    for (int k = 0; k < count; ++k) total += lights[k];
   }
   std::memcpy(sum, &total, sizeof(total));
+}
+
+SIGHTLINE_MULTIVERSION
+void paint_all_samples(const PaintedSamples& s, float* light) {
+  for (int begin = 0; begin < s.count; begin += kLanes) {
+    Floats4 lights[kLanes];
+    int count = 0;
+    light_eight(s, begin, count, lights);
+    std::memcpy(light + 4 * begin, lights, sizeof(Floats4) * static_cast<size_t>(count));
+  }
 }
 
 SIGHTLINE_MULTIVERSION
@@ -262,6 +282,10 @@ void look_up(const TexelLookup& lookup, float u, float v, float* rgba) {
 
 void add_painted(const PaintedSamples& samples, float* sum) {
   add_all(samples, sum);
+}
+
+void paint_each(const PaintedSamples& samples, float* light) {
+  paint_all_samples(samples, light);
 }
 
 void uv_of(const PaintedSamples& samples, float* u, float* v) {

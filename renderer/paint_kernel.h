@@ -81,6 +81,9 @@ struct PaintedSamples {
 /// Adds up the light of the samples, each clipped at white: red, green, blue and a fourth number.
 void add_painted(const PaintedSamples& samples, float* sum);
 
+/// The light of each sample, clipped at white, and the fourth number: four numbers each.
+void paint_each(const PaintedSamples& samples, float* light);
+
 /// Texture coordinates of the samples.
 void uv_of(const PaintedSamples& samples, float* u, float* v);
 
