@@ -58,7 +58,7 @@ GlowShares integrated(double a, double n_v) {
   return sum;
 }
 
-constexpr int kSteps = 33;
+constexpr int kSteps = GlowCurve::kSteps;
 constexpr double kLeastCosine = 1e-3;  // edge-on nothing is seen, and the integrals have no value
 using GlowTable = std::array<std::array<GlowShares, kSteps>, kSteps>;
 
@@ -112,6 +112,18 @@ GlowShares glow_shares(double a, double n_v) {
   return out;
 }
 
+GlowCurve::GlowCurve(double a) {
+  for (int c = 0; c < kSteps; ++c) shares_[c] = glow_shares(a, c / (kSteps - 1.0));
+}
+
+GlowShares GlowCurve::at(double n_v) const {
+  const Between column = between(n_v);
+  const GlowShares& low = shares_[column.low];
+  const GlowShares& high = shares_[column.low + 1];
+  return {low.plain + column.share * (high.plain - low.plain),
+          low.grazing + column.share * (high.grazing - low.grazing)};
+}
+
 Reflection reflected(const Gloss& gloss, double level, double n_l, double n_v, double n_h,
                      double v_h) {
   if (!(n_l > 0)) return {};
@@ -125,12 +137,16 @@ Reflection reflected(const Gloss& gloss, double level, double n_l, double n_v, d
           .own = (1 - m) * fresnel * mirror + m * weight * mirror};
 }
 
-Reflection reflected_glow(const Gloss& gloss, double level, double n_v) {
-  const GlowShares shares = glow_shares(gloss.roughness * gloss.roughness, n_v);
+Reflection reflected_shares(const GlowShares& shares, double metallic, double level) {
   const double coat = kDielectric * shares.plain + shares.grazing;
-  const double m = gloss.metallic;
+  const double m = metallic;
   return {.of_base = level * ((1 - m) * (1 - coat) + m * shares.plain),
           .own = level * ((1 - m) * coat + m * shares.grazing)};
+}
+
+Reflection reflected_glow(const Gloss& gloss, double level, double n_v) {
+  return reflected_shares(glow_shares(gloss.roughness * gloss.roughness, n_v), gloss.metallic,
+                          level);
 }
 
 }  // namespace sightline

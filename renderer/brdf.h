@@ -6,6 +6,8 @@
 // masking and Schlick's Fresnel term, above a Lambertian base where they are not metal.
 #pragma once
 
+#include <array>
+
 namespace sightline {
 
 /// Microfacets' distribution times visibility, V D, for a = roughness^2; cosines to the normal of
@@ -21,6 +23,19 @@ struct GlowShares {
 
 /// Interpolated in a table of integrals by 1024 fixed directions, to some 0.003.
 GlowShares glow_shares(double a, double n_v);
+
+/// glow_shares() of one `a` by the eye's cosine, for whoever asks often.
+class GlowCurve {
+ public:
+  GlowCurve() = default;  ///< all zero
+  explicit GlowCurve(double a);
+  GlowShares at(double n_v) const;
+
+  static constexpr int kSteps = 33;  ///< cosines from 0 to 1
+
+ private:
+  std::array<GlowShares, kSteps> shares_{};
+};
 
 /// Light as a factor on a surface's base colour, and what comes without it.
 struct Reflection {
@@ -48,5 +63,7 @@ Reflection reflected(const Gloss& gloss, double level, double n_l, double n_v, d
 /// What an even glow of `level` from all sides gives; a white surface that is no metal sends all of
 /// it back.
 Reflection reflected_glow(const Gloss& gloss, double level, double n_v);
+/// The same, where the shares of the gloss's roughness are known.
+Reflection reflected_shares(const GlowShares& shares, double metallic, double level);
 
 }  // namespace sightline

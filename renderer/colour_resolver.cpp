@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/LU>
 
@@ -22,6 +23,19 @@ double minor_axis(const Eigen::Matrix2d& map) {
   return std::sqrt(std::max(0.0, (squares - root) / 2));
 }
 
+// How much of a sample a surface of this alpha covers.
+float opacity(const Paint& paint, float alpha) {
+  switch (paint.alpha_mode) {
+    case AlphaMode::kMask:
+      return static_cast<double>(alpha) >= paint.material.alpha_cutoff ? 1.0f : 0.0f;
+    case AlphaMode::kBlend:
+      return std::max(0.0f, alpha);
+    case AlphaMode::kOpaque:
+      break;
+  }
+  return 1;
+}
+
 }  // namespace
 
 std::unique_ptr<const ShadowMap> shadow_on(const std::vector<PlacedBody>& bodies, size_t body,
@@ -35,22 +49,33 @@ std::unique_ptr<const ShadowMap> shadow_on(const std::vector<PlacedBody>& bodies
 
 ColourResolver::ColourResolver(const std::vector<PlacedBody>& bodies, const Scene& scene,
                                const Screen& screen, const SamplePattern& pattern,
-                               TextureCache& textures)
+                               ColourMemory& memory)
     : bodies_(bodies),
       camera_(scene.camera),
       screen_(screen),
       pattern_(pattern),
+      memory_(memory),
       sample_levels_(static_cast<float>(std::log2(pattern.count) / 2)),
-      seen_(static_cast<size_t>(pattern.count)) {
+      groups_(static_cast<size_t>(pattern.count)),
+      entry_(groups_.size()),
+      order_(groups_.size()),
+      x_(groups_.size()),
+      y_(groups_.size()),
+      u_(groups_.size()),
+      v_(groups_.size()),
+      of_base_(4 * groups_.size()),
+      own_(4 * groups_.size()),
+      layer_(groups_.size()) {
   const bool is_grey = scene.colouring.mode == ColourMode::kGrey;
   for (size_t b = 0; b < bodies.size(); ++b) {
     shaders_.emplace_back(bodies[b], scene.light, is_grey, scene.colouring.draws_textures,
-                          shadow_on(bodies, b, scene), textures);
+                          shadow_on(bodies, b, scene), memory.textures);
   }
+  memory.planes.clear();
+  memory.plane_index.assign(bodies.back().first_id + bodies.back().mesh->triangles.size(), 0);
 }
 
 void ColourResolver::enter_pixel(int x, int y) {
-  known_ = 0;
   centre_ = screen_.normalised({static_cast<double>(x), static_cast<double>(y)});
   per_pixel_ = Eigen::Vector2d(1 / camera_.fx_px, 1 / camera_.fy_px).asDiagonal();
   if (is_straight(camera_)) return;
@@ -58,122 +83,224 @@ void ColourResolver::enter_pixel(int x, int y) {
   per_pixel_ = per_pixel_ * lens_jacobian(camera_, centre_).inverse();
 }
 
-const CarriedValues& ColourResolver::carried_by(uint32_t id, const ColourShader& shader,
-                                                int triangle) {
-  const auto known = carried_.find(id);
-  if (known != carried_.end()) return known->second;
-  return carried_.emplace(id, shader.carried(triangle)).first->second;
-}
-
-// What a pixel's neighbourhood sees of what the triangle carries, and how fine its texture is
-// there.
-void ColourResolver::carry(Seen& seen, int sample) {
-  const CarriedValues& values = carried_by(seen.id, *seen.shader, seen.triangle);
-  Eigen::Matrix3d rays;  // at the centre, by x and by y of the offset
-  rays << centre_.x(), per_pixel_(0, 0), per_pixel_(0, 1), centre_.y(), per_pixel_(1, 0),
-      per_pixel_(1, 1), 1, 0, 0;
-  seen.uv = values.uv * rays;
-  seen.has_colours = seen.shader->has_colours(seen.triangle);
-  if (seen.has_colours) seen.colours = values.colours * rays;
-  seen.least_uv = values.least_uv;
-  seen.greatest_uv = values.greatest_uv;
-  const TextureRef* texture = seen.shader->finest_texture(seen.triangle);
-  if (texture == nullptr) return;
-  const Eigen::Vector3d at = seen.uv * Eigen::Vector3d(1, pattern_.x[sample], pattern_.y[sample]);
-  const Eigen::Vector2d uv = at.head<2>() / at.z();
-  const Eigen::Matrix2d uv_from_px =
-      (seen.uv.topRightCorner<2, 2>() - uv * seen.uv.bottomRightCorner<1, 2>()) / at.z();
-  const auto& m = texture->texture_from_uv;
-  Eigen::Matrix2d texture_from_uv;
-  texture_from_uv << m[0], m[1], m[3], m[4];
-  const Eigen::Vector2d texels = seen.shader->texels(seen.triangle);
-  const double footprint = minor_axis(texels.asDiagonal() * texture_from_uv * uv_from_px);
-  seen.level = static_cast<float>(std::log2(footprint)) - sample_levels_;
-}
-
-ColourResolver::PaintPoint ColourResolver::paint_at(const Seen& seen, int sample) const {
-  PaintPoint point;
-  if (!seen.is_painted) return point;
-  const double x = pattern_.x[sample];
-  const double y = pattern_.y[sample];
-  const Eigen::Vector3d at = seen.uv.col(0) + seen.uv.col(1) * x + seen.uv.col(2) * y;
-  const double per_weight = 1 / at.z();
-  // A sample of a lens's chords may lie off the triangle by some 1e-4 px, much seen edge-on.
-  const Eigen::Vector2d uv = at.head<2>() * per_weight;
-  point.uv = uv.cwiseMax(seen.least_uv).cwiseMin(seen.greatest_uv).cast<float>();
-  if (!seen.has_colours) return point;
-  const Eigen::Vector3d colour =
-      (seen.colours.col(0) + seen.colours.col(1) * x + seen.colours.col(2) * y).head<3>() *
-      per_weight;
-  point.colour = colour.array().max(0).min(1).cast<float>();
-  return point;
-}
-
-ColourLight ColourResolver::light_at(const Seen& seen, int sample, const PaintPoint& paint) const {
-  const Eigen::Vector2d offset(pattern_.x[sample], pattern_.y[sample]);
-  const SurfacePoint point = seen.shader->hits().on(seen.triangle, centre_ + per_pixel_ * offset);
-  // Lit once a pixel, a gloss texture is looked up for all of it.
-  return seen.shader->light_at(point, paint.uv, seen.level + sample_levels_);
-}
-
-// Sees a triangle for the first time in this pixel.
-void ColourResolver::meet(uint32_t id, int sample, Seen& seen) {
-  const size_t b = body_of(bodies_, id);
-  seen.id = id;
-  seen.triangle = static_cast<int>(id - bodies_[b].first_id);
-  seen.shader = &shaders_[b];
-  seen.is_painted = seen.shader->is_painted(seen.triangle);
-  seen.has_colours = false;
-  seen.emits = seen.shader->emits(seen.triangle);
-  seen.level = 0;
-  seen.factor = seen.shader->base_factor(seen.triangle).head<3>();
-  if (seen.is_painted) carry(seen, sample);
-  const PaintPoint paint = paint_at(seen, sample);
-  seen.light = light_at(seen, sample, paint);
-  seen.is_plain = !seen.is_painted && !seen.shader->has_detail();
-  if (seen.is_plain) seen.plain = light_of(seen, seen.light, paint);
-}
-
-Eigen::Array3f ColourResolver::light_of(const Seen& seen, const ColourLight& light,
-                                        const PaintPoint& paint) const {
-  Eigen::Array3f base = seen.factor * paint.colour;
-  if (seen.is_painted) {
-    base *= seen.shader->texel_at(seen.triangle, paint.uv, seen.level).head<3>();
+// Sorts the samples by what they see.
+void ColourResolver::group(const uint32_t* ids) {
+  known_ = 0;
+  size_t last = 0;
+  for (int k = 0; k < pattern_.count; ++k) {
+    if (known_ == 0 || groups_[last].id != ids[k]) {
+      for (last = 0; last < known_ && groups_[last].id != ids[k];) ++last;
+      if (last == known_) groups_[known_++] = {ids[k], 0, 0};
+    }
+    ++groups_[last].count;
+    entry_[static_cast<size_t>(k)] = static_cast<int>(last);
   }
-  Eigen::Array3f sent = base * light.of_base + light.own;
-  if (seen.emits) sent += seen.shader->emission_at(seen.triangle, paint.uv, seen.level);
-  return sent.min(1.0f);
+  int begin = 0;
+  for (size_t g = 0; g < known_; ++g) {
+    groups_[g].begin = begin;
+    begin += groups_[g].count;
+    groups_[g].count = 0;
+  }
+  for (int k = 0; k < pattern_.count; ++k) {
+    Group& group = groups_[static_cast<size_t>(entry_[static_cast<size_t>(k)])];
+    order_[static_cast<size_t>(group.begin + group.count++)] = k;
+  }
 }
 
-// The entry of a triangle in this pixel; what neighbouring samples see is looked at first.
-const ColourResolver::Seen& ColourResolver::entry_of(uint32_t id, int sample) {
-  if (known_ > 0 && seen_[last_].id == id) return seen_[last_];
-  for (last_ = 0; last_ < known_; ++last_) {
-    if (seen_[last_].id == id) return seen_[last_];
+Eigen::Vector3d ColourResolver::ray_of(int sample) const {
+  const Eigen::Vector2d at =
+      centre_ + per_pixel_ * Eigen::Vector2d(pattern_.x[sample], pattern_.y[sample]);
+  return {at.x(), at.y(), 1};
+}
+
+const SurfacePlane& ColourResolver::plane_of(uint32_t id, const ColourShader& shader,
+                                             int triangle) {
+  int& index = memory_.plane_index[id];
+  if (index == 0) {
+    memory_.planes.push_back(shader.plane_of(triangle));
+    index = static_cast<int>(memory_.planes.size());
   }
-  meet(id, sample, seen_[known_]);
-  ++known_;
-  return seen_[last_];
+  return memory_.planes[static_cast<size_t>(index - 1)];
+}
+
+// Puts what the corners carry into painted_, as the group's samples see it. Returns how fine the
+// texture is there, as a pixel sees it.
+float ColourResolver::anchor(const Group& group, const SurfacePlane& plane, const Paint& paint) {
+  const int first = order_[static_cast<size_t>(group.begin)];
+  for (int i = 0; i < group.count; ++i) {
+    const int k = order_[static_cast<size_t>(group.begin + i)];
+    x_[static_cast<size_t>(i)] = pattern_.x[k] - pattern_.x[first];
+    y_[static_cast<size_t>(i)] = pattern_.y[k] - pattern_.y[first];
+  }
+  const Eigen::Vector3d ray = ray_of(first);
+  const Eigen::RowVector3d weights = plane.volumes.colwise().sum();
+  const double per_weight = 1 / weights.dot(ray);
+  const Eigen::RowVector2d weight_by = weights.head<2>() * per_weight * per_pixel_;
+  painted_.count = group.count;
+  painted_.weight_by_x = static_cast<float>(weight_by.x());
+  painted_.weight_by_y = static_cast<float>(weight_by.y());
+  const auto carried = [&](const Eigen::RowVector3d& value) -> Carried {
+    const double at = value.dot(ray) * per_weight;
+    const Eigen::RowVector2d by = value.head<2>() * per_weight * per_pixel_ - at * weight_by;
+    return {static_cast<float>(at), static_cast<float>(by.x()), static_cast<float>(by.y())};
+  };
+  painted_.u = carried(plane.uv.row(0));
+  painted_.v = carried(plane.uv.row(1));
+  painted_.least_u = static_cast<float>(plane.least_uv.x());
+  painted_.least_v = static_cast<float>(plane.least_uv.y());
+  painted_.greatest_u = static_cast<float>(plane.greatest_uv.x());
+  painted_.greatest_v = static_cast<float>(plane.greatest_uv.y());
+  painted_.has_colours = paint.has_colours;
+  if (paint.has_colours) {
+    for (int c = 0; c < 4; ++c) painted_.colours[c] = carried(plane.colours.row(c));
+  }
+  uv_ = {std::clamp(painted_.u.at, painted_.least_u, painted_.greatest_u),
+         std::clamp(painted_.v.at, painted_.least_v, painted_.greatest_v)};
+  if (!paint.has_texture) return 0;
+  Eigen::Matrix2d uv_from_px;
+  uv_from_px << painted_.u.by_x, painted_.u.by_y, painted_.v.by_x, painted_.v.by_y;
+  return std::log2(static_cast<float>(minor_axis(paint.texels_from_uv * uv_from_px)));
+}
+
+// The light of each of the group's samples, into of_base_ and own_.
+void ColourResolver::light_samples(const Group& group, const ColourShader& shader,
+                                   const SurfacePlane& plane, int triangle, float level) {
+  if (shader.paint(triangle).is_painted) uv_of(painted_, u_.data(), v_.data());
+  for (int i = 0; i < group.count; ++i) {
+    const Eigen::Vector3d ray = ray_of(order_[static_cast<size_t>(group.begin + i)]);
+    const Eigen::Vector2f uv(u_[static_cast<size_t>(i)], v_[static_cast<size_t>(i)]);
+    const ColourLight light = shader.light_at(shader.hit(plane, triangle, ray), uv, level);
+    Eigen::Map<Eigen::Array4f>(of_base_.data() + 4 * i) = light.of_base;
+    Eigen::Map<Eigen::Array4f>(own_.data() + 4 * i) = light.own;
+  }
+}
+
+// Says in painted_ how the samples of a group look textures up.
+void ColourResolver::look_at_textures(const Paint& paint, float level, bool has_detail) {
+  // A sample is finer than its pixel.
+  const float sample_level = level - sample_levels_;
+  painted_.base = nullptr;
+  if (paint.base != nullptr) {
+    base_ = paint.base->lookup(paint.material.base_texture, sample_level);
+    painted_.base = &base_;
+  }
+  painted_.emission = nullptr;
+  if (paint.emissive != nullptr) {
+    emission_ = paint.emissive->lookup(paint.material.emissive_texture,
+                                       sample_level + paint.emissive_shift);
+    painted_.emission = &emission_;
+  }
+  painted_.x = x_.data();
+  painted_.y = y_.data();
+  Eigen::Map<Eigen::Array4f>(painted_.emitted) = paint.emitted;
+  painted_.of_base = of_base_.data();
+  painted_.own = own_.data();
+  painted_.light_step = has_detail ? 4 : 0;
+}
+
+// Lights a group's samples: what painted_, of_base_ and own_ say is theirs.
+ColourResolver::Lit ColourResolver::light_group(const Group& group) {
+  const size_t b = body_of(bodies_, group.id);
+  const ColourShader& shader = shaders_[b];
+  const int triangle = static_cast<int>(group.id - bodies_[b].first_id);
+  const Paint& paint = shader.paint(triangle);
+  const SurfacePlane& plane = plane_of(group.id, shader, triangle);
+  const float level = paint.is_painted ? anchor(group, plane, paint) : 0;
+  const bool has_detail = shader.has_detail();
+  if (has_detail) {
+    light_samples(group, shader, plane, triangle, level);
+  } else {
+    const Eigen::Vector3d ray = ray_of(order_[static_cast<size_t>(group.begin)]);
+    const ColourLight light = shader.light_at(shader.hit(plane, triangle, ray), uv_, level);
+    Eigen::Map<Eigen::Array4f>(of_base_.data()) = light.of_base;
+    Eigen::Map<Eigen::Array4f>(own_.data()) = light.own;
+  }
+  const int lights = has_detail ? group.count : 1;
+  for (int i = 0; i < lights; ++i) {
+    Eigen::Map<Eigen::Array4f> of_base(of_base_.data() + 4 * i);
+    Eigen::Map<Eigen::Array4f> own(own_.data() + 4 * i);
+    of_base[3] = 1;  // of alpha, which takes no light
+    of_base *= paint.factor;
+    if (paint.emissive == nullptr) own += paint.emitted;
+    own[3] = 0;
+  }
+  if (paint.is_painted) look_at_textures(paint, level, has_detail);
+  return {paint, lights};
+}
+
+// Of a surface without texture.
+Eigen::Array4f ColourResolver::flat_light(int light) const {
+  return (Eigen::Map<const Eigen::Array4f>(of_base_.data() + 4 * light) +
+          Eigen::Map<const Eigen::Array4f>(own_.data() + 4 * light))
+      .min(1.0f);
+}
+
+// Adds the light of a group's samples.
+void ColourResolver::add(const Group& group, Eigen::Array4f& sum) {
+  const Lit lit = light_group(group);
+  if (lit.paint.is_painted) {
+    add_painted(painted_, sum.data());
+  } else if (lit.lights == 1) {
+    sum += flat_light(0) * static_cast<float>(group.count);
+  } else {
+    for (int i = 0; i < lit.lights; ++i) sum += flat_light(i);
+  }
+}
+
+bool ColourResolver::is_see_through() const {
+  return std::any_of(shaders_.begin(), shaders_.end(),
+                     [](const ColourShader& shader) { return shader.is_see_through(); });
+}
+
+bool ColourResolver::add_layer(int x, int y, const uint32_t* ids, float* nearness,
+                               Eigen::Array4f* samples) {
+  enter_pixel(x, y);
+  group(ids);
+  bool lets_through = false;
+  for (size_t g = 0; g < known_; ++g) {
+    const Group& seen = groups_[g];
+    if (seen.id == 0) continue;
+    const Lit lit = light_group(seen);
+    if (lit.paint.is_painted) paint_each(painted_, layer_.front().data());
+    for (int i = 0; i < seen.count; ++i) {
+      const int k = order_[static_cast<size_t>(seen.begin + i)];
+      const Eigen::Array4f light = lit.paint.is_painted ? layer_[static_cast<size_t>(i)]
+                                                        : flat_light(lit.lights == 1 ? 0 : i);
+      const float alpha = opacity(lit.paint, light[3]);
+      const float through = samples[k][3];
+      samples[k].head<3>() += through * alpha * light.head<3>();
+      samples[k][3] = through * (1 - alpha);
+      if (samples[k][3] > 0) {
+        lets_through = true;
+      } else {
+        nearness[k] = -std::numeric_limits<float>::max();
+      }
+    }
+  }
+  return lets_through;
+}
+
+Eigen::Array3f ColourResolver::mean(const Eigen::Array4f* samples,
+                                    const Eigen::Array3f& background) const {
+  Eigen::Array4d sum = Eigen::Array4d::Zero();
+  for (int k = 0; k < pattern_.count; ++k) sum += samples[k].cast<double>();
+  return ((sum.head<3>() + sum[3] * background.cast<double>()) / pattern_.count).cast<float>();
 }
 
 Eigen::Array3f ColourResolver::mean(int x, int y, const uint32_t* ids,
                                     const Eigen::Array3f& background) {
   enter_pixel(x, y);
+  group(ids);
   Eigen::Array3d sum = Eigen::Array3d::Zero();
-  for (int k = 0; k < pattern_.count; ++k) {
-    if (ids[k] == 0) {
-      sum += background.cast<double>();
+  for (size_t g = 0; g < known_; ++g) {
+    const Group& seen = groups_[g];
+    if (seen.id == 0) {
+      sum += seen.count * background.cast<double>();
       continue;
     }
-    const Seen& seen = entry_of(ids[k], k);
-    if (seen.is_plain) {
-      sum += seen.plain.cast<double>();
-      continue;
-    }
-    const PaintPoint paint = paint_at(seen, k);
-    const bool has_detail = seen.shader->has_detail();
-    const ColourLight light = has_detail ? light_at(seen, k, paint) : seen.light;
-    sum += light_of(seen, light, paint).cast<double>();
+    Eigen::Array4f light = Eigen::Array4f::Zero();
+    add(seen, light);
+    sum += light.head<3>().cast<double>();
   }
   return (sum / pattern_.count).cast<float>();
 }

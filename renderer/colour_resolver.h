@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include <Eigen/Core>
@@ -16,6 +15,13 @@
 
 namespace sightline {
 
+/// What a renderer keeps between pictures in colour: textures, and memory.
+struct ColourMemory {
+  TextureCache textures;
+  std::vector<int> plane_index;  ///< by id, one more than its place in planes; 0: not yet made
+  std::vector<SurfacePlane> planes;
+};
+
 /// Turns what samples see into coloured light: a surface is lit once a pixel, at the sample nearest
 /// to the pixel's centre that sees it, and its texture is looked up at every sample, at the level
 /// of detail where the samples of a pixel, spread along the longer axis of its footprint, just meet
@@ -25,58 +31,68 @@ class ColourResolver {
  public:
   /// All but the bodies' shadows must outlive it.
   ColourResolver(const std::vector<PlacedBody>& bodies, const Scene& scene, const Screen& screen,
-                 const SamplePattern& pattern, TextureCache& textures);
+                 const SamplePattern& pattern, ColourMemory& memory);
 
   /// The mean of one pixel's samples, each clipped at white; where they see nothing it is
   /// `background`. Linear red, green, blue.
   Eigen::Array3f mean(int x, int y, const uint32_t* ids, const Eigen::Array3f& background);
 
+  /// Some surface shows what is behind: then pixels are made of layers, the nearest first. Alpha is
+  /// that of glTF: a mask's surface is there where it reaches the cutoff, a blend lets 1 - alpha of
+  /// what is behind through.
+  bool is_see_through() const;
+  /// Adds what `ids` see behind the layers before to the pixel's samples, four numbers each: light,
+  /// and the part that is let through, which begin as 0, 0, 0, 1. `nearness` becomes -FLT_MAX where
+  /// nothing is let through. True when something is.
+  bool add_layer(int x, int y, const uint32_t* ids, float* nearness, Eigen::Array4f* samples);
+  /// The mean of samples that layers have been added to.
+  Eigen::Array3f mean(const Eigen::Array4f* samples, const Eigen::Array3f& background) const;
+
  private:
-  // A triangle as this pixel sees it.
-  struct Seen {
+  // The samples of a pixel that see one triangle, the nearest to the pixel's centre first.
+  struct Group {
     uint32_t id = 0;
-    int triangle = 0;
-    const ColourShader* shader = nullptr;
-    bool is_painted = false;
-    bool has_colours = false;
-    bool is_plain = false;  // every sample of it is alike
-    bool emits = false;
-    float level = 0;  // of the texture
-    // What its corners carry: at the centre, by x and by y of the offset.
-    Eigen::Matrix<double, 3, 3> uv;       // u, v, weight
-    Eigen::Matrix<double, 4, 3> colours;  // red, green, blue, alpha, by the same weight
-    Eigen::Vector2d least_uv, greatest_uv;
-    ColourLight light;
-    Eigen::Array3f factor;
-    Eigen::Array3f plain;
-  };
-  struct PaintPoint {
-    Eigen::Vector2f uv = Eigen::Vector2f::Zero();
-    Eigen::Array3f colour = Eigen::Array3f::Ones();
+    int begin = 0;  // in order_
+    int count = 0;
   };
 
   void enter_pixel(int x, int y);
-  const Seen& entry_of(uint32_t id, int sample);
-  void meet(uint32_t id, int sample, Seen& seen);
-  void carry(Seen& seen, int sample);
-  const CarriedValues& carried_by(uint32_t id, const ColourShader& shader, int triangle);
-  PaintPoint paint_at(const Seen& seen, int sample) const;
-  ColourLight light_at(const Seen& seen, int sample, const PaintPoint& paint) const;
-  Eigen::Array3f light_of(const Seen& seen, const ColourLight& light,
-                          const PaintPoint& paint) const;
+  void group(const uint32_t* ids);
+  Eigen::Vector3d ray_of(int sample) const;
+  const SurfacePlane& plane_of(uint32_t id, const ColourShader& shader, int triangle);
+  struct Lit {
+    const Paint& paint;
+    int lights;  // in of_base_ and own_: one for all samples, or one each
+  };
+  Lit light_group(const Group& group);
+  void look_at_textures(const Paint& paint, float level, bool has_detail);
+  void add(const Group& group, Eigen::Array4f& sum);
+  Eigen::Array4f flat_light(int light) const;
+  float anchor(const Group& group, const SurfacePlane& plane, const Paint& paint);
+  void light_samples(const Group& group, const ColourShader& shader, const SurfacePlane& plane,
+                     int triangle, float level);
 
   const std::vector<PlacedBody>& bodies_;
   const Camera& camera_;
   const Screen& screen_;
   const SamplePattern& pattern_;
   std::vector<ColourShader> shaders_;
-  std::unordered_map<uint32_t, CarriedValues> carried_;
+  ColourMemory& memory_;
   Eigen::Vector2d centre_ = Eigen::Vector2d::Zero();     // of the pixel, normalised
   Eigen::Matrix2d per_pixel_ = Eigen::Matrix2d::Zero();  // its derivative by the pixel
   float sample_levels_;  // how many levels finer a sample is than a pixel
-  std::vector<Seen> seen_;
-  size_t known_ = 0;  // entries of seen_
-  size_t last_ = 0;   // the one found last
+  std::vector<Group> groups_;
+  size_t known_ = 0;        // entries of groups_
+  std::vector<int> entry_;  // the group of each sample
+  std::vector<int> order_;  // the samples by group
+  // Of the group that is added: the samples' offsets from its first, their light, and where the
+  // first lies on the texture.
+  PaintedSamples painted_;
+  std::vector<float> x_, y_, u_, v_;
+  std::vector<float> of_base_, own_;
+  TexelLookup base_, emission_;
+  std::vector<Eigen::Array4f> layer_;  // of the group's samples: light and alpha
+  Eigen::Vector2f uv_ = Eigen::Vector2f::Zero();
 };
 
 /// How a body is shadowed; none where the scene's light casts no shadows.

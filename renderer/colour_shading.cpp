@@ -18,20 +18,59 @@ Eigen::Vector2f in_texture(const TextureRef& ref, const Eigen::Vector2f& uv) {
           static_cast<float>(m[3] * uv.x() + m[4] * uv.y() + m[5])};
 }
 
-Eigen::Array4f looked_up(const TexturePyramid& pyramid, const TextureRef& ref,
-                         const Eigen::Vector2f& uv, float level) {
-  const Eigen::Vector2f at = in_texture(ref, uv);
-  return pyramid.at(ref, at.x(), at.y(), level);
-}
-
 // The cosine between normal and eye; interpolated normals may turn away from what sees them.
 double facing_eye(const Eigen::Vector3d& normal, const Eigen::Vector3d& to_eye) {
   return std::clamp(normal.dot(to_eye), 1e-3, 1.0);
 }
 
-Eigen::Array3f factors_of(const Eigen::Vector3d& colour, bool is_grey) {
-  if (is_grey) return Eigen::Array3f::Ones();
-  return colour.cast<float>().array();
+Eigen::Array4f factors_of(const Eigen::Vector3d& colour, bool is_grey) {
+  Eigen::Array4f factors = Eigen::Array4f::Ones();
+  if (!is_grey) factors.head<3>() = colour.cast<float>().array();
+  return factors;
+}
+
+Eigen::Matrix2d texels_from_uv(const TexturePyramid& pyramid, const TextureRef& ref) {
+  const auto& m = ref.texture_from_uv;
+  Eigen::Matrix2d texels;
+  texels << pyramid.width() * m[0], pyramid.width() * m[1], pyramid.height() * m[3],
+      pyramid.height() * m[4];
+  return texels;
+}
+
+// Levels of the part's textures are those of the first that it has.
+void count_levels(Paint& paint) {
+  const Material& material = paint.material;
+  double first_width = 0;
+  const auto shift = [&](const TexturePyramid* pyramid, const TextureRef& ref) {
+    if (pyramid == nullptr) return 0.0f;
+    if (!paint.has_texture) {
+      paint.has_texture = true;
+      paint.texels_from_uv = texels_from_uv(*pyramid, ref);
+      first_width = pyramid->width();
+    }
+    return static_cast<float>(std::log2(pyramid->width() / first_width));
+  };
+  shift(paint.base, material.base_texture);
+  paint.gloss_shift = shift(paint.gloss, material.gloss_texture);
+  paint.emissive_shift = shift(paint.emissive, material.emissive_texture);
+  paint.normal_shift = shift(paint.normal, material.normal_texture);
+}
+
+Gloss gloss_at(const Paint& paint, const Eigen::Vector2f& uv, float level) {
+  Gloss gloss{paint.material.metallic, paint.material.roughness};
+  if (paint.gloss == nullptr) return gloss;
+  const Eigen::Array4f texel =
+      paint.gloss->at(paint.material.gloss_texture, uv.x(), uv.y(), level + paint.gloss_shift);
+  gloss.roughness *= texel[1];
+  gloss.metallic *= texel[2];
+  return gloss;
+}
+
+// What the even glow gives where it is seen at cosine n_v.
+Reflection of_glow(const Paint& paint, const Gloss& gloss, double level, double n_v) {
+  if (paint.is_dull) return {level, 0};
+  if (paint.gloss != nullptr) return reflected_glow(gloss, level, n_v);
+  return reflected_shares(paint.glow.at(n_v), gloss.metallic, level);
 }
 
 Material grey_material(double albedo) {
@@ -57,28 +96,32 @@ ColourShader::ColourShader(const PlacedBody& body, const Light& light, bool is_g
   paints_.reserve(body.mesh->parts.size());
   for (const Part& part : body.mesh->parts) {
     paints_.push_back(paint_of(part, draws_textures, textures));
-    count_levels(paints_.back());  // where it stays: it points into itself
+    count_levels(paints_.back());
   }
   find_colours();
 }
 
-ColourShader::Paint ColourShader::paint_of(const Part& part, bool draws_textures,
-                                           TextureCache& textures) const {
+Paint ColourShader::paint_of(const Part& part, bool draws_textures, TextureCache& textures) const {
   Paint paint;
   paint.material = part.material.value_or(grey_material(part.albedo));
+  const Material& material = paint.material;
   const Mesh& mesh = *hits_.body().mesh;
   paint.is_painted = part.material && draws_textures && !mesh.coats.empty();
-  for (size_t c = 0; c < 4; ++c) {
-    paint.factor[static_cast<Eigen::Index>(c)] = static_cast<float>(paint.material.base[c]);
+  for (Eigen::Index c = 0; c < 4; ++c) {
+    paint.factor[c] = static_cast<float>(material.base[static_cast<size_t>(c)]);
   }
-  paint.emits = !is_grey_ && paint.material.emissive != Material{}.emissive;
   const auto pyramid = [&](const TextureRef& ref, bool weighs_alpha) -> const TexturePyramid* {
     const bool is_drawn = draws_textures && ref.is_there() && !mesh.coats.empty();
     return is_drawn ? &textures.pyramid(mesh.textures[ref.texture], weighs_alpha) : nullptr;
   };
-  const Material& material = paint.material;
   paint.base = pyramid(material.base_texture, material.alpha_mode != AlphaMode::kOpaque);
   if (is_grey_) return paint;
+  paint.is_dull = !material.has_gloss;
+  if (material.has_gloss) paint.glow = GlowCurve(material.roughness * material.roughness);
+  paint.alpha_mode = material.alpha_mode;
+  for (size_t c = 0; c < 3; ++c) {
+    paint.emitted[static_cast<Eigen::Index>(c)] = static_cast<float>(material.emissive[c]);
+  }
   paint.gloss = pyramid(material.gloss_texture, false);
   paint.emissive = pyramid(material.emissive_texture, false);
   paint.normal = pyramid(material.normal_texture, false);
@@ -89,64 +132,51 @@ bool ColourShader::has_detail() const {
   return shadow_ != nullptr || light_.specular > 0 || hits_.body().stripe_contrast > 0;
 }
 
-CarriedValues ColourShader::carried(int triangle) const {
+bool ColourShader::is_see_through() const {
+  return std::any_of(paints_.begin(), paints_.end(),
+                     [](const Paint& paint) { return paint.alpha_mode != AlphaMode::kOpaque; });
+}
+
+SurfacePlane ColourShader::plane_of(int triangle) const {
   const Mesh& mesh = *hits_.body().mesh;
   const auto& corner = mesh.triangles[triangle].vertex;
   const Eigen::Vector3d a = mesh.vertices[corner[0]] - hits_.eye_in_body();
   const Eigen::Vector3d b = mesh.vertices[corner[1]] - hits_.eye_in_body();
   const Eigen::Vector3d c = mesh.vertices[corner[2]] - hits_.eye_in_body();
-  // The volumes that a ray spans with the edges, as RayHits::on has them, are linear in the ray.
-  Eigen::Matrix3d volumes;
-  volumes.row(0) = b.cross(c);
-  volumes.row(1) = c.cross(a);
-  volumes.row(2) = a.cross(b);
-  volumes *= body_from_cam_;
+  SurfacePlane plane;
+  // RayHits::on has them for one ray.
+  plane.volumes.row(0) = b.cross(c);
+  plane.volumes.row(1) = c.cross(a);
+  plane.volumes.row(2) = a.cross(b);
+  plane.volumes *= body_from_cam_;
+  if (!paint(triangle).is_painted) return plane;
   const Coat& coat = mesh.coats[triangle];
-  Eigen::Matrix3d uv;
+  Eigen::Matrix<double, 2, 3> uv;
   Eigen::Matrix<double, 4, 3> colours;
   for (int i = 0; i < 3; ++i) {
-    uv.col(i) << coat.uv[i].cast<double>(), 1;
+    uv.col(i) = coat.uv[i].cast<double>();
     colours.col(i) = coat.colour[i].cast<double>();
   }
-  const Eigen::Matrix<double, 2, 3> at_corners = uv.topRows<2>();
-  return {uv * volumes, colours * volumes, at_corners.rowwise().minCoeff(),
-          at_corners.rowwise().maxCoeff()};
+  plane.uv = uv * plane.volumes;
+  plane.colours = colours * plane.volumes;
+  plane.least_uv = uv.rowwise().minCoeff();
+  plane.greatest_uv = uv.rowwise().maxCoeff();
+  return plane;
 }
 
-void ColourShader::count_levels(Paint& paint) {
-  const Material& material = paint.material;
-  for (const auto& [pyramid, ref] : {std::pair{paint.base, &material.base_texture},
-                                     {paint.gloss, &material.gloss_texture},
-                                     {paint.emissive, &material.emissive_texture},
-                                     {paint.normal, &material.normal_texture}}) {
-    if (pyramid == nullptr || paint.first != nullptr) continue;
-    paint.first = pyramid;
-    paint.first_ref = ref;
-  }
-  const auto shift = [&](const TexturePyramid* pyramid) {
-    if (pyramid == nullptr) return 0.0f;
-    return static_cast<float>(
-        std::log2(static_cast<double>(pyramid->width()) / paint.first->width()));
-  };
-  paint.gloss_shift = shift(paint.gloss);
-  paint.emissive_shift = shift(paint.emissive);
-  paint.normal_shift = shift(paint.normal);
-}
-
-const TextureRef* ColourShader::finest_texture(int triangle) const {
-  return paints_[part_of(triangle)].first_ref;
-}
-
-Eigen::Vector2d ColourShader::texels(int triangle) const {
-  const TexturePyramid* first = paints_[part_of(triangle)].first;
-  if (first == nullptr) return Eigen::Vector2d::Zero();
-  return {static_cast<double>(first->width()), static_cast<double>(first->height())};
-}
-
-Eigen::Array4f ColourShader::texel_at(int triangle, const Eigen::Vector2f& uv, float level) const {
-  const Paint& paint = paints_[part_of(triangle)];
-  if (paint.base == nullptr) return Eigen::Array4f::Ones();
-  return looked_up(*paint.base, paint.material.base_texture, uv, level);
+SurfaceHit ColourShader::hit(const SurfacePlane& plane, int triangle,
+                             const Eigen::Vector3d& ray) const {
+  SurfaceHit hit;
+  hit.triangle = triangle;
+  hit.ray = body_from_cam_ * ray;
+  Eigen::Vector3d volumes = plane.volumes * ray;
+  hit.is_front = volumes.sum() < 0;
+  if (hit.is_front) volumes = -volumes;
+  volumes = volumes.cwiseMax(0);
+  const double sum = volumes.sum();
+  // Seen exactly edge-on there is nothing to divide by.
+  hit.weights = sum > 0 ? Eigen::Vector3d(volumes / sum) : Eigen::Vector3d::Constant(1.0 / 3);
+  return hit;
 }
 
 void ColourShader::find_colours() {
@@ -161,34 +191,25 @@ void ColourShader::find_colours() {
   }
 }
 
-Eigen::Array3f ColourShader::emission_at(int triangle, const Eigen::Vector2f& uv,
-                                         float level) const {
-  if (is_grey_) return Eigen::Array3f::Zero();
-  const Paint& paint = paints_[part_of(triangle)];
-  const auto& factor = paint.material.emissive;
-  const Eigen::Array3f out(static_cast<float>(factor[0]), static_cast<float>(factor[1]),
-                           static_cast<float>(factor[2]));
-  if (paint.emissive == nullptr) return out;
-  return out * looked_up(*paint.emissive, paint.material.emissive_texture, uv,
-                         level + paint.emissive_shift)
-                   .head<3>();
+Eigen::Vector3d ColourShader::in_body(const SurfaceHit& hit) const {
+  const Mesh& mesh = *hits_.body().mesh;
+  const auto& corner = mesh.triangles[hit.triangle].vertex;
+  return hit.weights[0] * mesh.vertices[corner[0]] + hit.weights[1] * mesh.vertices[corner[1]] +
+         hit.weights[2] * mesh.vertices[corner[2]];
 }
 
-Gloss ColourShader::gloss_at(const Paint& paint, const Eigen::Vector2f& uv, float level) const {
-  Gloss gloss{paint.material.metallic, paint.material.roughness};
-  if (paint.gloss == nullptr) return gloss;
-  const Eigen::Array4f texel =
-      looked_up(*paint.gloss, paint.material.gloss_texture, uv, level + paint.gloss_shift);
-  gloss.roughness *= texel[1];
-  gloss.metallic *= texel[2];
-  return gloss;
-}
-
-double ColourShader::stripe_at(const Eigen::Vector3d& x) const {
+double ColourShader::stripe_at(const SurfaceHit& hit) const {
   const PlacedBody& body = hits_.body();
   if (!(body.stripe_contrast > 0)) return 1;
-  const bool is_dark = static_cast<int64_t>(std::floor(x.x() / body.stripe_m)) % 2 != 0;
+  const double along = in_body(hit).x();
+  const bool is_dark = static_cast<int64_t>(std::floor(along / body.stripe_m)) % 2 != 0;
   return is_dark ? 1 - body.stripe_contrast : 1;
+}
+
+bool ColourShader::is_lit(const SurfaceHit& hit) const {
+  const Mesh& mesh = *hits_.body().mesh;
+  return shadow_ == nullptr ||
+         shadow_->is_lit(in_body(hit), winding_normal(mesh, mesh.triangles[hit.triangle]));
 }
 
 // The normal that a normal texture makes of the surface's own. Its axes are the triangle's: where u
@@ -196,7 +217,6 @@ double ColourShader::stripe_at(const Eigen::Vector3d& x) const {
 Eigen::Vector3d ColourShader::tilted(const Paint& paint, int triangle,
                                      const Eigen::Vector3d& normal, const Eigen::Vector2f& uv,
                                      float level) const {
-  if (paint.normal == nullptr) return normal;
   const Mesh& mesh = *hits_.body().mesh;
   const auto& corner = mesh.triangles[triangle].vertex;
   const Coat& coat = mesh.coats[triangle];
@@ -213,10 +233,22 @@ Eigen::Vector3d ColourShader::tilted(const Paint& paint, int triangle,
   const Eigen::Vector3d right = (axes.col(0) - normal * normal.dot(axes.col(0))).stableNormalized();
   const Eigen::Vector3d beside = normal.cross(right);
   const Eigen::Vector3d up = beside.dot(axes.col(1)) > 0 ? Eigen::Vector3d(-beside) : beside;
-  const Eigen::Array4f texel = looked_up(*paint.normal, ref, uv, level + paint.normal_shift);
+  const Eigen::Array4f texel = paint.normal->at(ref, uv.x(), uv.y(), level + paint.normal_shift);
   const Eigen::Array3d t = 2 * texel.head<3>().cast<double>() - 1;
   const double scale = paint.material.normal_scale;
   return (scale * (t[0] * right + t[1] * up) + t[2] * normal).stableNormalized();
+}
+
+Eigen::Vector3d ColourShader::normal_at(const SurfaceHit& hit, const Paint& paint,
+                                        const Eigen::Vector2f& uv, float level) const {
+  const auto& corners = hits_.body().mesh->triangles[hit.triangle].normal;
+  Eigen::Vector3d normal =
+      hit.weights[0] * corners[0] + hit.weights[1] * corners[1] + hit.weights[2] * corners[2];
+  // A back face is the inside of an open mesh: it is lit as a sheet of paper is.
+  if (!hit.is_front) normal = -normal;
+  const double length = normal.norm();
+  if (length > 0) normal /= length;
+  return paint.normal == nullptr ? normal : tilted(paint, hit.triangle, normal, uv, level);
 }
 
 // Of a distant light that nothing shades; dull surfaces have no highlight of it.
@@ -225,46 +257,36 @@ Reflection ColourShader::of_distant(const Paint& paint, const Gloss& gloss, doub
                                     const Eigen::Vector3d& to_eye) const {
   const double n_l = normal.dot(to_light);
   if (!(n_l > 0 && level > 0)) return {};
-  if (!paint.material.has_gloss || is_grey_) return {.of_base = level * n_l, .own = 0};
+  if (paint.is_dull) return {.of_base = level * n_l, .own = 0};
   const Eigen::Vector3d half_way = (to_eye + to_light).normalized();
   return reflected(gloss, level, n_l, facing_eye(normal, to_eye), normal.dot(half_way),
                    to_eye.dot(half_way));
 }
 
-ColourLight ColourShader::light_at(const SurfacePoint& point, const Eigen::Vector2f& uv,
+ColourLight ColourShader::light_at(const SurfaceHit& hit, const Eigen::Vector2f& uv,
                                    float level) const {
-  const Mesh& mesh = *hits_.body().mesh;
-  const Triangle& triangle = mesh.triangles[point.triangle];
-  const Paint& paint = paints_[triangle.part];
-  if (paint.material.is_unlit && !is_grey_) return {.of_base = Eigen::Array3f::Ones()};
-  Eigen::Vector3d normal = point.weights[0] * triangle.normal[0] +
-                           point.weights[1] * triangle.normal[1] +
-                           point.weights[2] * triangle.normal[2];
-  // A back face is the inside of an open mesh: it is lit as a sheet of paper is.
-  if (!point.is_front) normal = -normal;
-  normal = tilted(paint, point.triangle, normal.stableNormalized(), uv, level);
-  const Eigen::Vector3d x = hits_.in_body(point);
-  const Eigen::Vector3d to_eye = (hits_.eye_in_body() - x).normalized();
-  const bool is_dull = !paint.material.has_gloss || is_grey_;
-  const Gloss gloss = is_dull ? Gloss{} : gloss_at(paint, uv, level);
+  const Paint& paint = this->paint(hit.triangle);
+  if (paint.material.is_unlit && !is_grey_) return {.of_base = Eigen::Array4f::Ones()};
+  const Eigen::Vector3d normal = normal_at(hit, paint, uv, level);
+  const bool wants_eye = !paint.is_dull || light_.specular > 0;
+  const Eigen::Vector3d to_eye = wants_eye ? -hit.ray.normalized() : Eigen::Vector3d(0, 0, 0);
+  const Gloss gloss = paint.is_dull ? Gloss{} : gloss_at(paint, uv, level);
 
   ColourLight light;
-  const Eigen::Array3f white = Eigen::Array3f::Ones();
-  light.add(is_dull ? Reflection{light_.ambient, 0}
-                    : reflected_glow(gloss, light_.ambient, facing_eye(normal, to_eye)),
-            white);
-  light.add(of_distant(paint, gloss, light_.second, to_second_, normal, to_eye), second_colour_);
-  const bool is_lit = normal.dot(to_light_) > 0 &&
-                      (shadow_ == nullptr || shadow_->is_lit(x, winding_normal(mesh, triangle)));
-  if (is_lit) {
+  light.add(of_glow(paint, gloss, light_.ambient, facing_eye(normal, to_eye)),
+            Eigen::Array4f::Ones());
+  if (light_.second > 0) {
+    light.add(of_distant(paint, gloss, light_.second, to_second_, normal, to_eye), second_colour_);
+  }
+  if (normal.dot(to_light_) > 0 && is_lit(hit)) {
     Reflection direct = of_distant(paint, gloss, light_.directional, to_light_, normal, to_eye);
-    if (is_dull && light_.specular > 0) {
+    if (paint.is_dull && light_.specular > 0) {
       const double n_h = std::max(0.0, normal.dot((to_eye + to_light_).normalized()));
       direct.own += light_.specular * std::pow(n_h, light_.shininess);
     }
     light.add(direct, colour_);
   }
-  light.of_base *= static_cast<float>(stripe_at(x));
+  light.of_base *= static_cast<float>(stripe_at(hit));
   return light;
 }
 

@@ -14,23 +14,55 @@
 
 namespace sightline {
 
-/// Where rays through a pixel's neighbourhood meet a triangle, in terms of what its corners carry:
-/// linear functions of the ray (x/z, y/z, 1), whose ratios to the weight are the carried values.
-struct CarriedValues {
-  Eigen::Matrix3d uv;                   ///< u, v, weight
+/// What a triangle's corners carry, for rays from the camera (x/z, y/z, 1): all are linear in the
+/// ray, and their ratios to the sum of `volumes` are what the ray meets.
+struct SurfacePlane {
+  Eigen::Matrix3d volumes;  ///< that the ray spans with the edges; negative seen from the front
+  Eigen::Matrix<double, 2, 3> uv;
   Eigen::Matrix<double, 4, 3> colours;  ///< red, green, blue, alpha
   Eigen::Vector2d least_uv, greatest_uv;
 };
 
-/// Light by channel: a factor on the base colour, and what comes without it.
-struct ColourLight {
-  Eigen::Array3f of_base = Eigen::Array3f::Zero();
-  Eigen::Array3f own = Eigen::Array3f::Zero();
+/// Where a ray meets a triangle.
+struct SurfaceHit {
+  int triangle = 0;
+  Eigen::Vector3d weights;  ///< of its corners, their sum 1 and none negative
+  Eigen::Vector3d ray;      ///< from the eye, in the body's frame, of any length
+  bool is_front = true;     ///< seen from the side that its winding calls outside
+};
 
-  void add(const Reflection& light, const Eigen::Array3f& colour) {
+/// Light by channel, the fourth unused: a factor on the base colour, and what comes without it.
+struct ColourLight {
+  Eigen::Array4f of_base = Eigen::Array4f::Zero();
+  Eigen::Array4f own = Eigen::Array4f::Zero();
+
+  void add(const Reflection& light, const Eigen::Array4f& colour) {
     of_base += static_cast<float>(light.of_base) * colour;
     own += static_cast<float>(light.own) * colour;
   }
+};
+
+/// How a part of a mesh is drawn.
+struct Paint {
+  Material material;
+  Eigen::Array4f factor = Eigen::Array4f::Ones();  ///< on the texture's colour
+  Eigen::Array4f emitted = Eigen::Array4f::Zero();
+  bool is_dull = true;                        ///< after Lambert, with the highlights of [light]
+  bool is_painted = false;                    ///< the corners carry something that is drawn
+  bool has_colours = false;                   ///< they carry colours that are not all white
+  AlphaMode alpha_mode = AlphaMode::kOpaque;  ///< opaque in grey, whatever the material
+  const TexturePyramid* base = nullptr;
+  const TexturePyramid* gloss = nullptr;
+  const TexturePyramid* emissive = nullptr;
+  const TexturePyramid* normal = nullptr;
+  /// Where there is a texture, the size in texels, by the corners' coordinates, of the one whose
+  /// levels are counted: the base colour's, if it has one. The others' levels are so much coarser.
+  bool has_texture = false;
+  Eigen::Matrix2d texels_from_uv = Eigen::Matrix2d::Zero();
+  float gloss_shift = 0;
+  float emissive_shift = 0;
+  float normal_shift = 0;
+  GlowCurve glow;  ///< of the factor of roughness, where there is gloss
 };
 
 /// What one body sends to the camera, by channel. Where the scene is grey the surfaces are dull
@@ -41,72 +73,41 @@ class ColourShader {
   ColourShader(const PlacedBody& body, const Light& light, bool is_grey, bool draws_textures,
                std::unique_ptr<const ShadowMap> shadow, TextureCache& textures);
 
-  /// The light at a point. `uv` and `level` are where textures of the part are looked up that say
-  /// how it is reflected.
-  ColourLight light_at(const SurfacePoint& point, const Eigen::Vector2f& uv, float level) const;
-  /// The texture's colour (linear, with alpha) at texture coordinates `uv`; white without one.
-  Eigen::Array4f texel_at(int triangle, const Eigen::Vector2f& uv, float level) const;
-  /// Light of its own, in colour alone.
-  Eigen::Array3f emission_at(int triangle, const Eigen::Vector2f& uv, float level) const;
+  SurfacePlane plane_of(int triangle) const;
+  /// `ray` is (x/z, y/z, 1) in the camera; one that misses is moved into the triangle.
+  SurfaceHit hit(const SurfacePlane& plane, int triangle, const Eigen::Vector3d& ray) const;
 
-  /// The texture whose levels of detail are counted, the base colour's where there is one; null
-  /// where the triangle has none. Levels of the others are turned to their own size.
-  const TextureRef* finest_texture(int triangle) const;
-  /// Its sides in texels.
-  Eigen::Vector2d texels(int triangle) const;
+  /// The light where a ray hits. `uv` and `level` are where textures of the part are looked up that
+  /// say how it is reflected.
+  ColourLight light_at(const SurfaceHit& hit, const Eigen::Vector2f& uv, float level) const;
 
-  /// The triangle's corners carry something that its part draws.
-  bool is_painted(int triangle) const { return paints_[part_of(triangle)].is_painted; }
-  /// They carry colours that are not all white.
-  bool has_colours(int triangle) const { return paints_[part_of(triangle)].has_colours; }
-  /// The factor on the texture's colour.
-  const Eigen::Array4f& base_factor(int triangle) const {
-    return paints_[part_of(triangle)].factor;
-  }
-  bool emits(int triangle) const { return paints_[part_of(triangle)].emits; }
-  CarriedValues carried(int triangle) const;
-
-  const RayHits& hits() const { return hits_; }
+  /// Some part of it shows what is behind.
+  bool is_see_through() const;
+  const Paint& paint(int triangle) const { return paints_[part_of(triangle)]; }
   /// As in Shader: each sample wants its own light.
   bool has_detail() const;
 
  private:
-  struct Paint {
-    Material material;
-    Eigen::Array4f factor = Eigen::Array4f::Ones();
-    bool is_painted = false;
-    bool has_colours = false;
-    bool emits = false;
-    const TexturePyramid* base = nullptr;
-    const TexturePyramid* gloss = nullptr;
-    const TexturePyramid* emissive = nullptr;
-    const TexturePyramid* normal = nullptr;
-    // The one that counts levels, and how many levels coarser the others are.
-    const TexturePyramid* first = nullptr;
-    const TextureRef* first_ref = nullptr;
-    float gloss_shift = 0;
-    float emissive_shift = 0;
-    float normal_shift = 0;
-  };
-
   int part_of(int triangle) const { return hits_.body().mesh->triangles[triangle].part; }
   Paint paint_of(const Part& part, bool draws_textures, TextureCache& textures) const;
-  static void count_levels(Paint& paint);
   void find_colours();
+  Eigen::Vector3d normal_at(const SurfaceHit& hit, const Paint& paint, const Eigen::Vector2f& uv,
+                            float level) const;
   Eigen::Vector3d tilted(const Paint& paint, int triangle, const Eigen::Vector3d& normal,
                          const Eigen::Vector2f& uv, float level) const;
   Reflection of_distant(const Paint& paint, const Gloss& gloss, double level,
                         const Eigen::Vector3d& to_light, const Eigen::Vector3d& normal,
                         const Eigen::Vector3d& to_eye) const;
-  Gloss gloss_at(const Paint& paint, const Eigen::Vector2f& uv, float level) const;
-  double stripe_at(const Eigen::Vector3d& x) const;
+  Eigen::Vector3d in_body(const SurfaceHit& hit) const;
+  double stripe_at(const SurfaceHit& hit) const;
+  bool is_lit(const SurfaceHit& hit) const;
 
   RayHits hits_;
   Light light_;
   bool is_grey_;
   Eigen::Vector3d to_light_;  // body's frame
   Eigen::Vector3d to_second_;
-  Eigen::Array3f colour_, second_colour_;  // white where the scene is grey
+  Eigen::Array4f colour_, second_colour_;  // white where the scene is grey
   Eigen::Matrix3d body_from_cam_;
   std::unique_ptr<const ShadowMap> shadow_;
   std::vector<Paint> paints_;  // a part each

@@ -17,7 +17,6 @@
 #include "renderer/screen.h"
 #include "renderer/sensor.h"
 #include "renderer/shading.h"
-#include "renderer/texture.h"
 #include "renderer/truth.h"
 #include "scenes/files/input_error.h"
 
@@ -185,8 +184,13 @@ struct Renderer::Impl {
       Resolver resolver(bodies, scene, screen, pattern);
       resolve<float>(resolver, pattern, watch, image);
     } else {
-      ColourResolver resolver(bodies, scene, screen, pattern, textures);
-      resolve<cv::Vec3f>(resolver, pattern, watch, image);
+      ColourResolver resolver(bodies, scene, screen, pattern, colours);
+      if (resolver.is_see_through()) {
+        own_painter->start(triangles, touched_box(triangles, screen.canvas()), pattern);
+        resolve_layers(resolver, pattern, watch, image);
+      } else {
+        resolve<cv::Vec3f>(resolver, pattern, watch, image);
+      }
     }
   }
 
@@ -210,14 +214,57 @@ struct Renderer::Impl {
     }
   }
 
+  // The same where pixels are made of layers. A surface behind kMostLayers others is not seen.
+  void resolve_layers(ColourResolver& resolver, const SamplePattern& pattern, Stopwatch& watch,
+                      cv::Mat& image) {
+    constexpr int kMostLayers = 32;
+    const auto count = static_cast<size_t>(pattern.count);
+    while (own_painter->next(strip)) {
+      std::vector<uint8_t> was_touched = strip.is_touched;
+      samples.assign(was_touched.size() * count, Eigen::Array4f(0, 0, 0, 1));
+      for (int layer = 0; layer < kMostLayers; ++layer) {
+        if (layer > 0) own_painter->paint_behind(strip);
+        if (!add_layer(resolver, count)) break;
+      }
+      for_each_touched(was_touched, [&](int x, int y, size_t pixel) {
+        cv::Vec3f& to = image.at<cv::Vec3f>(y, x);
+        const Eigen::Array3f rgb =
+            resolver.mean(samples.data() + pixel * count, {to[2], to[1], to[0]});
+        to = {rgb[2], rgb[1], rgb[0]};
+      });
+    }
+    times.resolve_ms += watch.lap();
+  }
+
+  // True when the layer, which the strip holds, lets something through.
+  bool add_layer(ColourResolver& resolver, size_t count) {
+    bool lets_through = false;
+    for_each_touched(strip.is_touched, [&](int x, int y, size_t pixel) {
+      const size_t at = pixel * count;
+      lets_through |= resolver.add_layer(x, y, strip.ids.data() + at, strip.nearness.data() + at,
+                                         samples.data() + at);
+    });
+    return lets_through;
+  }
+
+  template <typename Visit>
+  void for_each_touched(const std::vector<uint8_t>& is_touched, const Visit& visit) {
+    for (int y = strip.box.top; y < strip.box.bottom; ++y) {
+      for (int x = strip.box.left; x < strip.box.right; ++x) {
+        const size_t pixel = strip.pixel(x, y);
+        if (is_touched[pixel]) visit(x, y, pixel);
+      }
+    }
+  }
+
   cv::Mat linear(const Scene& scene) {
     const cv::Size size(scene.camera.width_px, scene.camera.height_px);
-    const cv::Mat background = needs_colour(scene) ? colour_background_image(scene.background, size)
-                                                   : background_image(scene.background, size);
+    cv::Mat background = needs_colour(scene) ? colour_background_image(scene.background, size)
+                                             : background_image(scene.background, size);
     const int poses = scene.motion.is_still() ? 1 : scene.motion.samples;
     cv::Mat sum;
     for (int i = 0; i < poses; ++i) {
-      cv::Mat image = background.clone();
+      cv::Mat image = i + 1 == poses ? background : background.clone();
       draw(scene, pose_at(scene, (i + 0.5) / poses - 0.5), image);
       if (i == 0) {
         sum = image;
@@ -231,10 +278,12 @@ struct Renderer::Impl {
   }
 
   std::unique_ptr<SamplePainter> painter;
+  std::unique_ptr<SamplePainter> own_painter = make_own_painter();  // of what is see-through
   // Kept between frames for their memory.
   std::vector<ScreenTriangle> triangles;
   VisibleStrip strip;
-  TextureCache textures;
+  ColourMemory colours;
+  std::vector<Eigen::Array4f> samples;  // of a strip that is made of layers
   DrawTimes times;
 };
 

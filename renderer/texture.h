@@ -10,21 +10,25 @@
 
 #include <Eigen/Core>
 
+#include "renderer/paint_kernel.h"
 #include "scenes/mesh/material.h"
 
 namespace sightline {
 
-/// A texture with all its smaller versions, each half as large as the one before (area means in
-/// linear light, rounded to the texture's own 8 bits), to be looked up at any size.
+/// A texture with all its smaller versions, each half as large as the one before (area means), in
+/// linear light of 16 bits, to be looked up at any size.
 class TexturePyramid {
  public:
   /// `weighs_alpha`: colours are means by alpha, so that what is not there gives no colour; else
-  /// alpha counts for nothing. The texture is kept.
-  TexturePyramid(std::shared_ptr<const Texture> texture, bool weighs_alpha);
+  /// alpha counts for nothing.
+  TexturePyramid(const Texture& texture, bool weighs_alpha);
 
   /// Linear red, green, blue and alpha at texture coordinates (u, v), bilinear within a level and
   /// linear between two; a level below 0 is magnified.
   Eigen::Array4f at(const TextureRef& ref, float u, float v, float level) const;
+
+  /// How the texture is looked up at a level.
+  TexelLookup lookup(const TextureRef& ref, float level) const;
 
   int width() const { return levels_.front().width; }
   int height() const { return levels_.front().height; }
@@ -33,30 +37,27 @@ class TexturePyramid {
   struct Level {
     int width = 0;
     int height = 0;
-    std::vector<uint8_t> own;       // of all levels but the first
-    const uint8_t* rgba = nullptr;  // rows of four
+    std::vector<uint16_t> texels;  // as TexelLevel has them, factored by alpha if it counts
+
+    TexelLevel view() const { return {texels.data(), width, height}; }
+    uint16_t* texel(int x, int y) { return texels.data() + TexelLevel::place(x, y, height); }
   };
 
-  Level halved(const Level& level) const;
-  Eigen::Array4f nearest(const Level& level, const TextureRef& ref, float u, float v) const;
-  Eigen::Array4f bilinear(const Level& level, const TextureRef& ref, float u, float v) const;
-  void add(const uint8_t* texel, float weight, Eigen::Array4f& sum) const;
-  Eigen::Array4f unweighed(Eigen::Array4f sum) const;
-
-  std::shared_ptr<const Texture> texture_;
   bool weighs_alpha_;
-  const float* linear_;  // of each of the 256 numbers of a colour
-  const float* alpha_;   // of those of alpha
   std::vector<Level> levels_;
+
+  static Level first_level(const Texture& texture, bool weighs_alpha);
+  static Level halved(Level& level);
 };
 
-/// The pyramids of a renderer, made when they are first asked for.
+/// The pyramids of a renderer, made when they are first asked for. It keeps the textures.
 class TextureCache {
  public:
   const TexturePyramid& pyramid(const std::shared_ptr<const Texture>& texture, bool weighs_alpha);
 
  private:
-  std::map<std::pair<const Texture*, bool>, std::unique_ptr<TexturePyramid>> pyramids_;
+  std::map<std::pair<std::shared_ptr<const Texture>, bool>, std::unique_ptr<TexturePyramid>>
+      pyramids_;
 };
 
 }  // namespace sightline

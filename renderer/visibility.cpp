@@ -55,9 +55,10 @@ inline void clear(float* nearness, uint32_t* ids) {
   }
 }
 
-template <int N>
+// `limits`: what is as near or nearer than that is not painted; used where HasLimits.
+template <int N, bool HasLimits>
 inline void paint_triangle(const FlatTriangle& t, const float* x_offset, const float* y_offset,
-                           const PixelBox& box, float* nearness, uint32_t* ids,
+                           const PixelBox& box, const float* limits, float* nearness, uint32_t* ids,
                            uint8_t* is_touched) {
   alignas(64) float edge0[N], edge1[N], edge2[N], depth[N];
   const float a0 = static_cast<float>(t.a[0]), b0 = static_cast<float>(t.b[0]);
@@ -85,6 +86,7 @@ inline void paint_triangle(const FlatTriangle& t, const float* x_offset, const f
     size_t at = static_cast<size_t>(y - box.top) * (box.right - box.left) + (span.lo - box.left);
     for (int x = span.lo; x <= span.hi; ++x, ++at) {
       float* __restrict near_at = nearness + at * N;
+      const float* __restrict limit_at = HasLimits ? limits + at * N : nullptr;
       uint32_t* __restrict ids_at = ids + at * N;
       if (!is_touched[at]) {
         is_touched[at] = 1;
@@ -99,7 +101,8 @@ inline void paint_triangle(const FlatTriangle& t, const float* x_offset, const f
       for (int k = 0; k < N; ++k) {
         const float inside = std::min(std::min(e0 + edge0[k], e1 + edge1[k]), e2 + edge2[k]);
         const float near_k = z + depth[k];
-        const bool is_nearest = (inside >= 0) & (near_k > near_at[k]);
+        bool is_nearest = (inside >= 0) & (near_k > near_at[k]);
+        if constexpr (HasLimits) is_nearest &= near_k < limit_at[k];
         near_at[k] = is_nearest ? near_k : near_at[k];
         ids_at[k] = is_nearest ? id : ids_at[k];
       }
@@ -110,37 +113,43 @@ inline void paint_triangle(const FlatTriangle& t, const float* x_offset, const f
 template <int N>
 inline void paint_all(const FlatTriangle* triangles, const int* order, size_t count,
                       const float* x_offset, const float* y_offset, const PixelBox& box,
-                      float* nearness, uint32_t* ids, uint8_t* is_touched) {
+                      const float* limits, float* nearness, uint32_t* ids, uint8_t* is_touched) {
   for (size_t i = 0; i < count; ++i) {
-    paint_triangle<N>(triangles[order[i]], x_offset, y_offset, box, nearness, ids, is_touched);
+    const FlatTriangle& triangle = triangles[order[i]];
+    if (limits == nullptr) {
+      paint_triangle<N, false>(triangle, x_offset, y_offset, box, limits, nearness, ids,
+                               is_touched);
+    } else {
+      paint_triangle<N, true>(triangle, x_offset, y_offset, box, limits, nearness, ids, is_touched);
+    }
   }
 }
 
 SIGHTLINE_MULTIVERSION
 void paint(int samples, const FlatTriangle* triangles, const int* order, size_t count,
-           const float* x_offset, const float* y_offset, const PixelBox& box, float* nearness,
-           uint32_t* ids, uint8_t* is_touched) {
+           const float* x_offset, const float* y_offset, const PixelBox& box, const float* limits,
+           float* nearness, uint32_t* ids, uint8_t* is_touched) {
   switch (samples) {
     case 1:
-      return paint_all<1>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+      return paint_all<1>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
                           is_touched);
     case 4:
-      return paint_all<4>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+      return paint_all<4>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
                           is_touched);
     case 8:
-      return paint_all<8>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+      return paint_all<8>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
                           is_touched);
     case 16:
-      return paint_all<16>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+      return paint_all<16>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
                            is_touched);
     case 32:
-      return paint_all<32>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+      return paint_all<32>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
                            is_touched);
     case 64:
-      return paint_all<64>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+      return paint_all<64>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
                            is_touched);
     default:
-      return paint_all<256>(triangles, order, count, x_offset, y_offset, box, nearness, ids,
+      return paint_all<256>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
                             is_touched);
   }
 }
@@ -202,16 +211,27 @@ class OwnPainter : public SamplePainter {
     strip.is_touched.assign(pixels, 0);
     strip.ids.resize(std::max(strip.ids.size(), pixels * pattern_->count));
     strip.nearness.resize(std::max(strip.nearness.size(), pixels * pattern_->count));
-    paint(pattern_->count, triangles_.data(), order_.data() + begin_[next_],
-          begin_[next_ + 1] - begin_[next_], pattern_->x.data(), pattern_->y.data(), strip.box,
-          strip.nearness.data(), strip.ids.data(), strip.is_touched.data());
+    paint_strip(next_, nullptr, strip);
     ++next_;
+    return true;
+  }
+
+  bool paint_behind(VisibleStrip& strip) override {
+    limits_.assign(strip.nearness.begin(), strip.nearness.end());
+    std::fill(strip.is_touched.begin(), strip.is_touched.end(), uint8_t{0});
+    paint_strip(next_ - 1, limits_.data(), strip);
     return true;
   }
 
   std::string description() const override { return "own rasteriser"; }
 
  private:
+  void paint_strip(int index, const float* limits, VisibleStrip& strip) const {
+    paint(pattern_->count, triangles_.data(), order_.data() + begin_[index],
+          begin_[index + 1] - begin_[index], pattern_->x.data(), pattern_->y.data(), strip.box,
+          limits, strip.nearness.data(), strip.ids.data(), strip.is_touched.data());
+  }
+
   // A counting sort; a triangle is in every strip that it touches.
   void sort_into_strips() {
     const int strips = (box_.height() + rows_ - 1) / rows_;
@@ -239,6 +259,7 @@ class OwnPainter : public SamplePainter {
   int next_ = 0;
   std::vector<int> begin_;  // of each strip's triangles in order_, and the end
   std::vector<int> order_;
+  std::vector<float> limits_;  // of what is painted behind
 };
 
 }  // namespace

@@ -60,6 +60,9 @@ class SamplePainter {
                      const SamplePattern& pattern) = 0;
   /// Paints the next rows, top to bottom; false when there are none left.
   virtual bool next(VisibleStrip& strip) = 0;
+  /// Paints the rows of the last next() again: of each sample what lies behind `strip.nearness`,
+  /// nothing where that is -FLT_MAX. False of a painter that cannot: all but our own.
+  virtual bool paint_behind(VisibleStrip&) { return false; }
   /// Who paints, for a manifest.
   virtual std::string description() const = 0;
 };

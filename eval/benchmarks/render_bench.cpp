@@ -4,11 +4,17 @@
 // render/<samples a pixel>: a frame of a Boeing 707 (11 584 triangles, 512 x 512) as grey image,
 // 16-bit depth and mask of bodies, each as PNG in memory, without sensor noise; a new pose each.
 // Counters: milliseconds a frame by stage, and resident memory after the run.
-// render/osmesa/<samples>: the same with OpenGL in software in place of our rasteriser.
+// render/rgb/<samples>: a sphere (13 000 triangles) with a texture of 2048 x 2048 px in colour;
+// render/rgb_grey/<samples>: the same in grey without the texture.
+// render/osmesa/<samples>: the airliner with OpenGL in software in place of our rasteriser.
 // render/embree/<samples>: the same by rays of Embree, in packets of 16, through the same samples.
+#include <array>
+#include <cmath>
 #include <fstream>
 #include <memory>
+#include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -44,6 +50,75 @@ void turn(Scene& scene, int64_t frame) {
   scene.cam_from_target.rotation = stream.rotation();
 }
 
+// Squares of 32 texels in changing colours, with a little noise.
+std::shared_ptr<const Texture> bench_texture() {
+  Texture texture{.name = "bench", .width = 2048, .height = 2048, .rgba = {}};
+  RandomStream stream(1, "bench texture", 0);
+  for (int y = 0; y < texture.height; ++y) {
+    for (int x = 0; x < texture.width; ++x) {
+      const int noise = static_cast<int>(stream.bits() % 32);
+      const int bright = ((x >> 5) ^ (y >> 5)) & 1;
+      for (const int c : {60 + 130 * bright + noise, 90 + (x >> 5) + noise, 40 + noise, 255}) {
+        texture.rgba.push_back(static_cast<uint8_t>(c));
+      }
+    }
+  }
+  return std::make_shared<const Texture>(std::move(texture));
+}
+
+// As far from the camera as the airliner: 213 px across.
+std::shared_ptr<const Target> textured_sphere() {
+  constexpr int kRows = 58, kColumns = 114;
+  constexpr double kRadiusM = 12;
+  Mesh mesh;
+  const auto uv_of = [](int row, int column) {
+    return Eigen::Vector2f(static_cast<float>(column) / kColumns, static_cast<float>(row) / kRows);
+  };
+  for (int row = 0; row <= kRows; ++row) {
+    for (int column = 0; column <= kColumns; ++column) {
+      const double polar = std::numbers::pi * row / kRows;
+      const double around = 2 * std::numbers::pi * column / kColumns;
+      mesh.vertices.push_back(kRadiusM * Eigen::Vector3d(std::sin(polar) * std::cos(around),
+                                                         std::sin(polar) * std::sin(around),
+                                                         std::cos(polar)));
+    }
+  }
+  const auto add = [&](const std::array<std::pair<int, int>, 3>& corners) {
+    Triangle triangle;
+    Coat coat;
+    for (size_t i = 0; i < 3; ++i) {
+      const auto [row, column] = corners[i];
+      triangle.vertex[i] = row * (kColumns + 1) + column;
+      triangle.normal[i] = mesh.vertices[static_cast<size_t>(triangle.vertex[i])].normalized();
+      coat.uv[i] = uv_of(row, column);
+    }
+    mesh.triangles.push_back(triangle);
+    mesh.coats.push_back(coat);
+  };
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      if (row > 0) add({{{row, column}, {row + 1, column}, {row, column + 1}}});
+      if (row + 1 < kRows) add({{{row, column + 1}, {row + 1, column}, {row + 1, column + 1}}});
+    }
+  }
+  Material material;
+  material.base_texture.texture = 0;
+  mesh.textures = {bench_texture()};
+  mesh.parts = {{"sphere", 0.5, material}};
+  Occluder occluder(mesh);
+  return std::make_shared<const Target>(
+      Target{"sphere", "", std::move(mesh), {}, {}, std::move(occluder)});
+}
+
+Scene textured_scene(int samples_per_pixel, bool is_rgb) {
+  Scene scene = scene_of(samples_per_pixel);
+  static const auto sphere = textured_sphere();
+  scene.target = sphere;
+  scene.colouring.mode = is_rgb ? ColourMode::kRgb : ColourMode::kGrey;
+  scene.colouring.draws_textures = is_rgb;
+  return scene;
+}
+
 size_t encode(const cv::Mat& image, const cv::Mat& depth_m, const cv::Mat& body_ids) {
   cv::Mat depth;
   depth_m.convertTo(depth, CV_16U, 50);
@@ -69,7 +144,7 @@ double milliseconds_since(int64_t begin_ticks) {
   return static_cast<double>(cv::getTickCount() - begin_ticks) * 1e3 / cv::getTickFrequency();
 }
 
-void run_ours(benchmark::State& state, int samples_per_pixel, GlChoice gl) {
+void run_ours(benchmark::State& state, Scene scene, GlChoice gl) {
   std::unique_ptr<Renderer> renderer;
   try {
     renderer = std::make_unique<Renderer>(RendererOptions{.gl = gl});
@@ -77,14 +152,14 @@ void run_ours(benchmark::State& state, int samples_per_pixel, GlChoice gl) {
     state.SkipWithError(error.what());
     return;
   }
-  Scene scene = scene_of(samples_per_pixel);
   double encode_ms = 0;
   int64_t frame = 0;
   for (auto _ : state) {
     turn(scene, frame++);
     const Frame drawn = renderer->render(scene, RandomStream(1, "sensor", frame));
     const int64_t begin = cv::getTickCount();
-    benchmark::DoNotOptimize(encode(drawn.image, drawn.depth_m, drawn.body_ids));
+    const cv::Mat& picture = drawn.colour.empty() ? drawn.image : drawn.colour;
+    benchmark::DoNotOptimize(encode(picture, drawn.depth_m, drawn.body_ids));
     encode_ms += milliseconds_since(begin);
   }
   state.counters["draw_ms"] = per_frame(renderer->times().draw_ms);
@@ -282,10 +357,18 @@ Comparison register_render() {
     const auto add = [](const std::string& name, const auto& run) {
       benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond);
     };
-    add("render/" + size,
-        [samples](benchmark::State& state) { run_ours(state, samples, GlChoice::kNone); });
-    add("render/osmesa/" + size,
-        [samples](benchmark::State& state) { run_ours(state, samples, GlChoice::kOsMesa); });
+    add("render/" + size, [samples](benchmark::State& state) {
+      run_ours(state, scene_of(samples), GlChoice::kNone);
+    });
+    for (const bool is_rgb : {true, false}) {
+      add((is_rgb ? "render/rgb/" : "render/rgb_grey/") + size,
+          [samples, is_rgb](benchmark::State& state) {
+            run_ours(state, textured_scene(samples, is_rgb), GlChoice::kNone);
+          });
+    }
+    add("render/osmesa/" + size, [samples](benchmark::State& state) {
+      run_ours(state, scene_of(samples), GlChoice::kOsMesa);
+    });
     add("render/embree/" + size,
         [samples](benchmark::State& state) { run_embree(state, samples); });
   }

@@ -49,6 +49,15 @@ py::dtype dtype_of(const cv::Mat& image) {
   }
 }
 
+py::array read_only(const cv::Mat& image, const std::vector<py::ssize_t>& shape,
+                    const std::vector<py::ssize_t>& strides, const uint8_t* first) {
+  // Another header of the same pixels, which counts as one more that uses them.
+  const py::capsule owner(new cv::Mat(image), [](void* mat) { delete static_cast<cv::Mat*>(mat); });
+  py::array array(dtype_of(image), shape, strides, first, owner);
+  array.attr("flags").attr("writeable") = false;
+  return array;
+}
+
 }  // namespace
 
 Camera camera_from(const py::tuple& numbers) {
@@ -128,14 +137,18 @@ Doubles array_of(const Matrix6d& matrix) {
 }
 
 py::array view_of(const cv::Mat& image) {
-  // Another header of the same pixels, which counts as one more that uses them.
-  const py::capsule owner(new cv::Mat(image), [](void* mat) { delete static_cast<cv::Mat*>(mat); });
   const auto size = static_cast<py::ssize_t>(image.elemSize());
   const auto row = static_cast<py::ssize_t>(image.step[0]);
-  py::array array(dtype_of(image), {py::ssize_t{image.rows}, py::ssize_t{image.cols}}, {row, size},
-                  image.data, owner);
-  array.attr("flags").attr("writeable") = false;
-  return array;
+  return read_only(image, {py::ssize_t{image.rows}, py::ssize_t{image.cols}}, {row, size},
+                   image.data);
+}
+
+py::array colours_of(const cv::Mat& image) {
+  const auto number = static_cast<py::ssize_t>(image.elemSize1());
+  const auto row = static_cast<py::ssize_t>(image.step[0]);
+  // From red, the last of three, backwards.
+  return read_only(image, {py::ssize_t{image.rows}, py::ssize_t{image.cols}, py::ssize_t{3}},
+                   {row, 3 * number, -number}, image.data + 2 * number);
 }
 
 }  // namespace sightline

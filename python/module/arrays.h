@@ -41,5 +41,7 @@ Doubles array_of(const Matrix6d& matrix);
 
 /// The pixels themselves, not a copy: the array keeps them alive, and cannot write to them.
 pybind11::array view_of(const cv::Mat& image);
+/// The same of an image of blue, green and red: height x width x 3, red first.
+pybind11::array colours_of(const cv::Mat& image);
 
 }  // namespace sightline

@@ -101,6 +101,7 @@ py::dict dict_of(const Scene& scene, const Frame& frame) {
   out["cam_from_target"] = matrix_of(scene.cam_from_target);
   if (frame.image.empty()) return out;
   out["image"] = view_of(frame.image);
+  if (!frame.colour.empty()) out["colour"] = colours_of(frame.colour);
   // A data set may lack them.
   if (!frame.depth_m.empty()) out["depth_m"] = view_of(frame.depth_m);
   if (!frame.part_ids.empty()) out["part_ids"] = view_of(frame.part_ids);

@@ -79,6 +79,7 @@ class Frame:
     bits: int  #: of the image's grey levels
     cam_from_target: np.ndarray  #: 4 x 4, the true pose
     image: Optional[np.ndarray] = None  #: height x width, uint8, or uint16 for more than 8 bits
+    colour: Optional[np.ndarray] = None  #: height x width x 3, red first, of a scene in colour
     depth_m: Optional[np.ndarray] = None  #: float64, z of what the pixel's centre sees; 0: nothing
     part_ids: Optional[np.ndarray] = None  #: uint16, place in the body's parts plus one; 0: nothing
     body_ids: Optional[np.ndarray] = None  #: uint8, place in `bodies` plus one; 0: nothing

@@ -102,6 +102,18 @@ def test_images_are_not_copies_and_outlive_their_frame():
     assert np.array_equal(image, before) and image.max() > 255
 
 
+def test_a_scene_in_colour_has_red_green_and_blue():
+    settings = {"image.colour": "rgb", "light.colour": [1.0, 0.5, 0.25], "light.ambient": 0.0}
+    frame = sl.render("cube", 0, seed=2, set={**settings, "image.psf_sigma_px": 0.0})
+    assert frame.colour.shape == (*frame.image.shape, 3) and frame.colour.dtype == frame.image.dtype
+    assert not frame.colour.flags.owndata and not frame.colour.flags.writeable
+    red, green, blue = (frame.colour[..., c][frame.body_ids == 1].mean() for c in range(3))
+    assert red > 1.5 * green > 2 * blue > 0
+    weighed = frame.colour @ np.array([0.299, 0.587, 0.114])  # as OpenCV makes grey
+    assert np.abs(weighed - frame.image).max() <= 1
+    assert sl.render("cube", 0, seed=2).colour is None
+
+
 def test_a_pose_can_be_given():
     drawn = sl.render("cube", 0, seed=2)
     pose = drawn.cam_from_target.copy()

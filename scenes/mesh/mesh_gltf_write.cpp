@@ -90,6 +90,21 @@ void set_bounds(tinygltf::Accessor& accessor, const std::vector<float>& position
   }
 }
 
+// The factors of a part's material, without textures; grey and dull where it has none.
+tinygltf::Material gltf_material(const Part& part) {
+  tinygltf::Material out;
+  out.name = part.name;
+  out.pbrMetallicRoughness.baseColorFactor = {part.albedo, part.albedo, part.albedo, 1};
+  out.pbrMetallicRoughness.metallicFactor = 0;
+  out.pbrMetallicRoughness.roughnessFactor = 1;
+  if (!part.material || !part.material->has_gloss) return out;
+  const Material& material = *part.material;
+  out.pbrMetallicRoughness.baseColorFactor.assign(material.base.begin(), material.base.end());
+  out.pbrMetallicRoughness.metallicFactor = material.metallic;
+  out.pbrMetallicRoughness.roughnessFactor = material.roughness;
+  return out;
+}
+
 void add_part(tinygltf::Model& model, BufferWriter& writer, const Mesh& mesh, int part) {
   const PartVertices vertices = vertices_of(mesh, part);
   tinygltf::Primitive primitive;
@@ -106,13 +121,7 @@ void add_part(tinygltf::Model& model, BufferWriter& writer, const Mesh& mesh, in
       writer.add(vertices.indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
                  TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, 1);
 
-  tinygltf::Material material;
-  material.name = mesh.parts[part].name;
-  const double albedo = mesh.parts[part].albedo;
-  material.pbrMetallicRoughness.baseColorFactor = {albedo, albedo, albedo, 1};
-  material.pbrMetallicRoughness.metallicFactor = 0;
-  material.pbrMetallicRoughness.roughnessFactor = 1;
-  model.materials.push_back(material);
+  model.materials.push_back(gltf_material(mesh.parts[part]));
 
   tinygltf::Mesh gltf_mesh;
   gltf_mesh.name = mesh.parts[part].name;

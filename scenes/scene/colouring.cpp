@@ -74,9 +74,16 @@ std::vector<std::string> surface_notes(const ColouringLaw& law, const Mesh& mesh
     return part.material && part.material->alpha_mode != AlphaMode::kOpaque;
   };
   const auto count = std::count_if(mesh.parts.begin(), mesh.parts.end(), see_through);
-  if (count > 0)
+  if (count > 0) {
+    const char* verb = count == 1 ? " is" : "s are";
     notes.push_back(
-        fmt::format("{} see-through part{} drawn opaque", count, count == 1 ? " is" : "s are"));
+        is_grey ? fmt::format("{} see-through part{} drawn opaque (image.colour = \"rgb\": as they "
+                              "are)",
+                              count, verb)
+                : fmt::format("{} see-through part{} opaque to depth, ids, masks, features and "
+                              "shadows",
+                              count, verb));
+  }
   return notes;
 }
 

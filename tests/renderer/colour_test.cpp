@@ -15,7 +15,8 @@
 namespace sightline {
 namespace {
 
-constexpr double kRounding = 2e-6;  // of single precision, over the few steps from texel to light
+// Textures are kept in linear light of 16 bits, and looked up in single precision.
+constexpr double kRounding = 0.5 / 65535 + 2e-6;
 
 RandomStream no_noise() {
   return RandomStream(1, "sensor", 0);

@@ -23,6 +23,7 @@
 #include "pose/angles.h"
 #include "scenes/builders/boeing707.h"
 #include "scenes/builders/cube.h"
+#include "scenes/builders/tango.h"
 #include "scenes/builders/target_file.h"
 #include "scenes/target/target.h"
 #include "tests/scenes/builders/built_mesh.h"
@@ -131,7 +132,7 @@ TEST_P(BuiltTargetTest, EveryComponentIsClosed) {
 
 TEST_P(BuiltTargetTest, EveryComponentHasPositiveVolume) {
   for (const auto& [vertex, volume_m3] : component_volumes_m3(mesh())) {
-    EXPECT_GT(volume_m3, 0.01) << "at " << mesh().vertices[vertex].transpose();
+    EXPECT_GT(volume_m3, 1e-5) << "at " << mesh().vertices[vertex].transpose();
   }
 }
 
@@ -239,7 +240,7 @@ TEST_P(BuiltTargetTest, ChecksNoticeAnEdgeThatIsNotInTheMesh) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, BuiltTargetTest,
-                         testing::Values(build_boeing707_target(), build_cube()),
+                         testing::Values(build_boeing707_target(), build_cube(), build_tango()),
                          [](const auto& param_info) { return param_info.param.name; });
 
 TEST(Cube, HasUnitEdgesAndItsCentreAtTheOrigin) {
@@ -269,6 +270,51 @@ TEST(Cube, VertexNumbersAreTheBitsOfTheirSigns) {
       EXPECT_EQ(features[i].position_m[axis] > 0, (i >> axis & 1) != 0);
     }
   }
+}
+
+// In the order of the points that SPEED+'s baseline publishes.
+TEST(Tango, HasTheKeypointsOfSpeedPlus) {
+  const std::vector<TargetFeature> features = build_tango().features;
+  ASSERT_EQ(features.size(), 11u);
+  const std::map<size_t, Eigen::Vector3d> known = {
+      {0, {-0.37, -0.385, 0.3215}}, {2, {0.37, 0.385, 0.3215}},     {4, {-0.37, -0.264, 0}},
+      {6, {0.37, 0.304, 0}},        {8, {-0.5427, 0.4877, 0.2535}}, {10, {0.305, -0.579, 0.2515}}};
+  for (const auto& [i, point] : known) {
+    EXPECT_EQ(features[i].position_m, point) << features[i].name;
+    EXPECT_NE(features[(i + 1) % features.size()].position_m, point);
+  }
+}
+
+TEST(Tango, ItsMaterialsSurviveTheFile) {
+  const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) / "tango_read";
+  const BuiltTarget tango = build_tango();
+  write_target(tango, folder);
+  const auto read = load_target((folder / "target.toml").string());
+  ASSERT_EQ(read->mesh.parts.size(), tango.mesh.parts.size());
+  std::set<double> metallic;
+  for (size_t i = 0; i < tango.mesh.parts.size(); ++i) {
+    const Part& built = tango.mesh.parts[i];
+    const Part& part = read->mesh.parts[i];
+    ASSERT_TRUE(part.material && built.material) << built.name;
+    EXPECT_EQ(part.material->base, built.material->base) << built.name;
+    EXPECT_EQ(part.material->metallic, built.material->metallic) << built.name;
+    EXPECT_EQ(part.material->roughness, built.material->roughness) << built.name;
+    metallic.insert(part.material->metallic);
+  }
+  EXPECT_EQ(metallic.size(), 2u);  // foil and rods are metal, cells are not
+}
+
+TEST(Tango, FoilIsCreasedAndCellsAreFlat) {
+  const Mesh mesh = build_tango().mesh;
+  std::map<std::string, double> largest;
+  for (const Triangle& triangle : mesh.triangles) {
+    double& angle = largest[mesh.parts[triangle.part].name];
+    for (const Eigen::Vector3d& normal : triangle.normal) {
+      angle = std::max(angle, std::acos(std::min(1.0, normal.dot(face_normal(mesh, triangle)))));
+    }
+  }
+  EXPECT_GT(largest.at("foil_gold"), 10 * kDegree);
+  EXPECT_LT(largest.at("solar_cells"), 1e-6);
 }
 
 }  // namespace

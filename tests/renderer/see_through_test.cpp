@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// Surfaces that show what is behind them: closed forms of what a pixel holds.
+#include <array>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <opencv2/core.hpp>
+
+#include "renderer/renderer.h"
+#include "tests/renderer/scenes_for_tests.h"
+
+namespace sightline {
+namespace {
+
+constexpr double kRounding = 2e-6;  // of single precision, over a few layers
+
+struct Pane {
+  double z_m;
+  std::array<double, 4> base;
+  AlphaMode mode;
+};
+
+// Squares of 1 m one behind the other, seen from -z, each on 256 px in the middle of the image.
+Mesh panes(const std::vector<Pane>& wanted) {
+  Mesh mesh;
+  for (const Pane& pane : wanted) {
+    const auto first = static_cast<int>(mesh.vertices.size());
+    const auto part = static_cast<int>(mesh.parts.size());
+    Mesh one = plate(1);
+    for (Eigen::Vector3d& x : one.vertices) mesh.vertices.emplace_back(x.x(), x.y(), pane.z_m);
+    for (Triangle& triangle : one.triangles) {
+      for (int& vertex : triangle.vertex) vertex += first;
+      triangle.part = part;
+      mesh.triangles.push_back(triangle);
+    }
+    Material material;
+    material.base = pane.base;
+    material.alpha_mode = pane.mode;
+    mesh.parts.push_back({"pane", 1, material});
+  }
+  return mesh;
+}
+
+Scene scene_of(Mesh mesh, ColourMode mode = ColourMode::kRgb) {
+  Scene scene = coverage_scene(std::move(mesh), at(0, 0, 10), 2560);
+  scene.colouring.mode = mode;
+  scene.background.level = 0.4;
+  return scene;
+}
+
+cv::Vec3f middle_of(const Scene& scene) {
+  return Renderer().render_linear(scene).at<cv::Vec3f>(250, 260);
+}
+
+void expect_rgb(const cv::Vec3f& pixel, const Eigen::Array3d& rgb) {
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel[2 - c], rgb[c], kRounding) << "channel " << c;
+}
+
+constexpr Pane kRed{-0.02, {1, 0, 0, 0.25}, AlphaMode::kBlend};
+constexpr Pane kGreen{-0.01, {0, 1, 0, 0.5}, AlphaMode::kBlend};
+constexpr Pane kBlue{0, {0, 0, 1, 0.1}, AlphaMode::kOpaque};
+
+TEST(SeeThrough, LayersAreBlendedByDepthWhateverTheirOrderInTheFile) {
+  const Eigen::Array3d expected(0.25, 0.75 * 0.5, 0.75 * 0.5);
+  expect_rgb(middle_of(scene_of(panes({kRed, kGreen, kBlue}))), expected);
+  expect_rgb(middle_of(scene_of(panes({kBlue, kRed, kGreen}))), expected);
+  // Another order in depth is another colour.
+  Pane farther = kRed;
+  farther.z_m = -0.005;
+  expect_rgb(middle_of(scene_of(panes({farther, kGreen, kBlue}))), {0.125, 0.5, 0.375});
+}
+
+TEST(SeeThrough, WhatIsBehindAllIsTheBackground) {
+  expect_rgb(middle_of(scene_of(panes({kRed, kGreen}))),
+             {0.25 + 0.375 * 0.4, 0.375 + 0.375 * 0.4, 0.375 * 0.4});
+}
+
+TEST(SeeThrough, WhatIsOpaqueShowsNothing) {
+  Pane opaque = kRed;
+  opaque.mode = AlphaMode::kOpaque;
+  expect_rgb(middle_of(scene_of(panes({opaque, kGreen, kBlue}))), {1, 0, 0});
+}
+
+TEST(SeeThrough, InGreyAllIsOpaque) {
+  const Scene scene = scene_of(panes({kRed, kGreen, kBlue}), ColourMode::kGrey);
+  EXPECT_EQ(Renderer().render_linear(scene).at<float>(250, 260), 1);
+}
+
+TEST(SeeThrough, TheTruthSeesTheNearest) {
+  const Frame frame = Renderer().render(scene_of(panes({kBlue, kRed})), RandomStream(1, "n", 0));
+  EXPECT_EQ(frame.part_ids.at<uint16_t>(250, 260), 2);
+  EXPECT_NEAR(frame.depth_m.at<double>(250, 260), 9.98, 1e-9);
+}
+
+// A pane whose left half is there and whose right half is not, before a blue one.
+Mesh masked(double cutoff) {
+  Mesh mesh = panes({{-0.01, {1, 1, 1, 1}, AlphaMode::kMask}, kBlue});
+  mesh.textures = {
+      std::make_shared<const Texture>(Texture{"t", 2, 1, true, {255, 0, 0, 204, 255, 0, 0, 51}})};
+  Material& material = *mesh.parts[0].material;
+  material.alpha_cutoff = cutoff;
+  material.base_texture = {.texture = 0, .is_nearest = true};
+  for (const Triangle& triangle : mesh.triangles) {
+    Coat coat;
+    for (size_t c = 0; c < 3; ++c) {
+      const Eigen::Vector3d& x = mesh.vertices[static_cast<size_t>(triangle.vertex[c])];
+      coat.uv[c] = x.head<2>().cast<float>() + Eigen::Vector2f::Constant(0.5f);
+    }
+    mesh.coats.push_back(coat);
+  }
+  return mesh;
+}
+
+TEST(SeeThrough, AMaskIsThereWhereItReachesItsCutoff) {
+  const auto halves = [](double cutoff) {
+    const cv::Mat image = Renderer().render_linear(scene_of(masked(cutoff)));
+    return std::pair{image.at<cv::Vec3f>(250, 200), image.at<cv::Vec3f>(250, 300)};
+  };
+  const auto [left, right] = halves(0.5);
+  expect_rgb(left, {1, 0, 0});
+  expect_rgb(right, {0, 0, 1});
+  expect_rgb(halves(0.1).second, {1, 0, 0});
+  expect_rgb(halves(0.9).first, {0, 0, 1});
+}
+
+}  // namespace
+}  // namespace sightline
