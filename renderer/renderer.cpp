@@ -172,7 +172,7 @@ struct Renderer::Impl {
     Stopwatch watch;
     const std::vector<PlacedBody> bodies = placed_bodies(scene, cam_from_target);
     const Screen screen(scene.camera, {0, 0, image.cols, image.rows},
-                        scene.cam_from_target.translation.z());
+                        reference_depth_m(scene.target->mesh, scene.cam_from_target));
     triangles.clear();
     for (const PlacedBody& body : bodies) {
       screen.append(*body.mesh, body.cam_from_body, body.first_id, triangles);

@@ -12,6 +12,9 @@ namespace sightline {
 namespace {
 
 constexpr int kMaxCuts = 40;  // of one triangle, in succession: each halves an edge
+// Of the farthest depth: triangles with a nearer corner would reach far beyond the image, where
+// double precision is coarse, and are cut too.
+constexpr double kCutFraction = 1e-4;
 
 // Farther out than this no lens that turns rays (a fisheye) is drawn: 89.9 degrees.
 constexpr double kFarthestNormalised = 573;
@@ -28,7 +31,31 @@ double farthest_normalised(const Camera& camera, const PixelBox& canvas) {
   return 2 * reach.matrix().norm();
 }
 
+std::array<Eigen::Vector3d, 3> corners_of(const Mesh& mesh, const Pose& cam_from_mesh,
+                                          const Triangle& triangle) {
+  const auto [a, b, c] = triangle.vertex;
+  return {cam_from_mesh * mesh.vertices[a], cam_from_mesh * mesh.vertices[b],
+          cam_from_mesh * mesh.vertices[c]};
+}
+
+// True where a corner lies nearer than that, or behind the camera.
+bool has_corner_before(double depth_m, const Mesh& mesh, const Pose& cam_from_mesh,
+                       const Triangle& triangle) {
+  const auto corners = corners_of(mesh, cam_from_mesh, triangle);
+  return std::any_of(corners.begin(), corners.end(),
+                     [depth_m](const Eigen::Vector3d& x) { return x.z() < depth_m; });
+}
+
 }  // namespace
+
+double reference_depth_m(const Mesh& mesh, const Pose& cam_from_mesh) {
+  if (cam_from_mesh.translation.z() > 0) return cam_from_mesh.translation.z();
+  double farthest = 0;
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
+    farthest = std::max(farthest, (cam_from_mesh * vertex).z());
+  }
+  return farthest > 0 ? farthest : 1;
+}
 
 struct Screen::LensPoint {
   Eigen::Vector2d normalised;  // without the lens
@@ -127,13 +154,50 @@ void Screen::append_bent(const LensPoint& a, const LensPoint& b, const LensPoint
   append_bent(middle, to, opposite, id, depth + 1, triangles);
 }
 
+// Four times what the canvas shows on either side, or what the lens may show of it.
+ViewPyramid Screen::pyramid(double near_m) const {
+  if (!camera_.distortion.is_zero()) return {near_m, min_normalised_, max_normalised_};
+  constexpr double kAround = 4;
+  const Eigen::Array2d focal(camera_.fx_px, camera_.fy_px);
+  const Eigen::Array2d centre(camera_.cx_px, camera_.cy_px);
+  const Eigen::Array2d size(canvas_.width(), canvas_.height());
+  const Eigen::Array2d corner(canvas_.left, canvas_.top);
+  return {near_m, ((corner - kAround * size - centre) / focal).matrix(),
+          ((corner + (1 + kAround) * size - centre) / focal).matrix()};
+}
+
+void Screen::append_cut(const std::array<Eigen::Vector3d, 3>& corners, double near_m, uint32_t id,
+                        std::vector<ScreenTriangle>& triangles) const {
+  const std::vector<Eigen::Vector3d> polygon = clipped(corners, pyramid(near_m));
+  const auto nearness = [&](const Eigen::Vector3d& x) { return reference_m_ / x.z() - 1; };
+  const auto straight = [&](const Eigen::Vector3d& x) {
+    return ScreenPoint{camera_.fx_px * x.x() / x.z() + camera_.cx_px,
+                       camera_.fy_px * x.y() / x.z() + camera_.cy_px, nearness(x)};
+  };
+  const auto bent = [&](const Eigen::Vector3d& x) {
+    return through_lens(x.head<2>() / x.z(), nearness(x));
+  };
+  for (size_t i = 2; i < polygon.size(); ++i) {
+    if (camera_.distortion.is_zero()) {
+      triangles.push_back(
+          {{straight(polygon[0]), straight(polygon[i - 1]), straight(polygon[i])}, id});
+    } else {
+      append_bent(bent(polygon[0]), bent(polygon[i - 1]), bent(polygon[i]), id, 0, triangles);
+    }
+  }
+}
+
 void Screen::append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_id,
                     std::vector<ScreenTriangle>& triangles) const {
   const bool is_bent = !is_straight(camera_);
   std::vector<ScreenPoint> straight(is_bent ? 0 : mesh.vertices.size());
   std::vector<LensPoint> bent(is_bent ? mesh.vertices.size() : 0);
+  double nearest = std::numeric_limits<double>::infinity();
+  double farthest = -nearest;
   for (size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Eigen::Vector3d x_in_cam = cam_from_mesh * mesh.vertices[i];
+    nearest = std::min(nearest, x_in_cam.z());
+    farthest = std::max(farthest, x_in_cam.z());
     const double inverse_z = 1 / x_in_cam.z();
     const double nearness = reference_m_ * inverse_z - 1;
     if (is_bent) {
@@ -143,10 +207,15 @@ void Screen::append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_
                      camera_.fy_px * x_in_cam.y() * inverse_z + camera_.cy_px, nearness};
     }
   }
+  if (!(farthest > 0)) return;  // all of it is behind the camera
+  const double near_m = kNearFraction * farthest;
+  const bool is_in_front = nearest >= near_m;
   uint32_t id = first_id;
   for (const Triangle& triangle : mesh.triangles) {
     const auto [a, b, c] = triangle.vertex;
-    if (is_bent) {
+    if (!is_in_front && has_corner_before(kCutFraction * farthest, mesh, cam_from_mesh, triangle)) {
+      append_cut(corners_of(mesh, cam_from_mesh, triangle), near_m, id, triangles);
+    } else if (is_bent) {
       append_bent(bent[a], bent[b], bent[c], id, 0, triangles);
     } else {
       triangles.push_back({{straight[a], straight[b], straight[c]}, id});

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "pose/camera.h"
 #include "pose/pose.h"
+#include "renderer/clip.h"
 #include "renderer/visibility.h"
 #include "scenes/mesh/mesh.h"
 
@@ -17,12 +19,23 @@ constexpr double kMaxChordErrorPx = 5e-4;
 /// The same through a fisheye, which bends everything, so that its pieces are many.
 constexpr double kMaxFisheyeChordErrorPx = 2e-3;
 
+/// The camera's near plane, over the depth of a mesh's farthest vertex: so near that what lies
+/// before it is never missed, and far enough for double precision.
+constexpr double kNearFraction = 1e-9;
+
+/// The depth about which the nearness of a scene's bodies is resolved best: that of the target's
+/// origin, or, where that is not in front, of its farthest vertex, or 1. Always positive.
+double reference_depth_m(const Mesh& mesh, const Pose& cam_from_mesh);
+
 /// Puts meshes on the image plane of a camera, through its lens.
 ///
 /// A lens bends straight edges: triangles are cut until the chords of their edges leave the true
 /// curves by less than kMaxChordErrorPx, of a fisheye kMaxFisheyeChordErrorPx (their insides by 4/3
 /// of that), each vertex distorted in double precision. What lies beyond the fold of the lens
 /// model, where two rays would fall on one pixel, is not drawn.
+///
+/// Of a mesh that reaches behind the camera, the triangles that cross the plane just before it are
+/// cut there (kNearFraction) and at a pyramid well around the canvas; all others are drawn whole.
 class Screen {
  public:
   /// `canvas`: the pixels to be drawn, which may reach beyond the image's. `reference_m`: a depth
@@ -31,7 +44,7 @@ class Screen {
 
   const PixelBox& canvas() const { return canvas_; }
 
-  /// Appends the mesh's triangles, which must lie in front of the camera; triangle i gets the id
+  /// Appends what of the mesh's triangles lies in front of the camera; triangle i gets the id
   /// first_id + i, all its pieces alike.
   void append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_id,
               std::vector<ScreenTriangle>& triangles) const;
@@ -42,6 +55,9 @@ class Screen {
 
  private:
   struct LensPoint;
+  ViewPyramid pyramid(double near_m) const;
+  void append_cut(const std::array<Eigen::Vector3d, 3>& corners, double near_m, uint32_t id,
+                  std::vector<ScreenTriangle>& triangles) const;
   LensPoint through_lens(const Eigen::Vector2d& normalised, double nearness) const;
   double chord_error_px(const LensPoint& a, const LensPoint& b) const;
   void append_bent(const LensPoint& a, const LensPoint& b, const LensPoint& c, uint32_t id,

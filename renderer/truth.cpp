@@ -197,7 +197,7 @@ void state_truth(const Scene& scene, Frame& frame) {
   frame.body_ids = cv::Mat::zeros(size, CV_8U);
   frame.truth.camera = scene.camera;
   frame.truth.bodies.resize(bodies.size());
-  const double reference_m = scene.cam_from_target.translation.z();
+  const double reference_m = reference_depth_m(scene.target->mesh, scene.cam_from_target);
   const Screen screen(scene.camera, image_box(scene.camera), reference_m);
   const IdImage image = paint_ids(bodies, screen);
   state_pixels(bodies, image, screen, frame);
@@ -223,7 +223,8 @@ void state_truth(const Scene& scene, Frame& frame) {
 
 cv::Mat part_ids_alone(const Scene& scene) {
   const PlacedBody body = placed_bodies(scene, scene.cam_from_target).front();
-  const Screen screen(scene.camera, image_box(scene.camera), scene.cam_from_target.translation.z());
+  const Screen screen(scene.camera, image_box(scene.camera),
+                      reference_depth_m(scene.target->mesh, scene.cam_from_target));
   cv::Mat part_ids = cv::Mat::zeros(scene.camera.height_px, scene.camera.width_px, CV_16U);
   for_each_seen(paint_ids({body}, screen), [&](int x, int y, uint32_t id) {
     part_ids.at<uint16_t>(y, x) =
@@ -238,10 +239,11 @@ cv::Mat depth_alone(const Mesh& mesh, const Camera& camera, const Pose& cam_from
   for (const Eigen::Vector3d& vertex : mesh.vertices) {
     nearest = std::min(nearest, (cam_from_mesh * vertex).z());
   }
-  if (!(nearest > 0) || mesh.triangles.empty()) return depth;
+  if (mesh.triangles.empty()) return depth;
   const PlacedBody body{.mesh = &mesh, .cam_from_body = cam_from_mesh};
   const RayHits hits(body);
-  const Screen screen(camera, image_box(camera), nearest);
+  const double reference_m = nearest > 0 ? nearest : reference_depth_m(mesh, cam_from_mesh);
+  const Screen screen(camera, image_box(camera), reference_m);
   for_each_seen(paint_ids({body}, screen), [&](int x, int y, uint32_t id) {
     const Eigen::Vector2d ray = screen.normalised({static_cast<double>(x), static_cast<double>(y)});
     depth.at<double>(y, x) = hits.depth_m(hits.on(static_cast<int>(id - body.first_id), ray));

@@ -27,7 +27,7 @@ void state_truth(const Scene& scene, Frame& frame);
 cv::Mat part_ids_alone(const Scene& scene);
 
 /// Depth (CV_64F, z, in the mesh's unit) of what each pixel's centre sees of a mesh alone; 0 where
-/// that is nothing, and everywhere when the mesh is not wholly in front of the camera.
+/// that is nothing.
 cv::Mat depth_alone(const Mesh& mesh, const Camera& camera, const Pose& cam_from_mesh);
 
 }  // namespace sightline

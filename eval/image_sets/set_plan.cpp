@@ -15,6 +15,7 @@
 #include "renderer/gl_context.h"
 #include "scenes/files/assets.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/toml_text.h"
 
 namespace sightline {
 namespace {
@@ -43,7 +44,7 @@ std::vector<std::shared_ptr<const Target>> objects_of(const ImageStudy& study) {
 double farthest_of(const SceneLaw& law) {
   double origin_m = law.poses.drawn_range_m.max;
   for (const Eigen::Vector3d& t : law.poses.t_m) origin_m = std::max(origin_m, t.z());
-  double far_m = origin_m + radius_m(law.target->mesh);
+  double far_m = origin_m + radius_m(law.target->mesh, law.poses.aim_m);
   for (const OtherLaw& other : law.others) {
     far_m = std::max(far_m, origin_m * other.range_fraction.max + radius_m(other.target->mesh));
   }
@@ -56,6 +57,13 @@ bool is_one_of(const std::string& name, const std::vector<std::string>& names) {
 
 std::string three_digits(double value) {
   return fmt::format("{:.3g}", value);
+}
+
+// A scene looks at the middle of its target, wherever that has its origin.
+std::string aim_line(const Eigen::Vector3d& middle, double radius) {
+  if (middle.norm() <= 1e-9 * radius) return "";
+  return fmt::format("aim_m = [{}, {}, {}]\n", middle.x() + 0.0, middle.y() + 0.0,
+                     middle.z() + 0.0);
 }
 
 Json manifest_json(const SetPlan& plan) {
@@ -83,25 +91,26 @@ std::string read_text(const fs::path& file) {
 
 }  // namespace
 
-std::string default_scene(const std::string& target) {
+std::string default_scene(const std::string& target, const MeshUse& use) {
   constexpr int kSide = 512;
   constexpr double kFocal = 2000;
   constexpr double kLargest = 0.7;  // of the image's width
   constexpr double kSmallest = 0.3;
-  const std::shared_ptr<const Target> loaded = load_target(target);
+  const std::shared_ptr<const Target> loaded = load_target(target, use);
   if (const std::string reason = why_not_renderable(*loaded); !reason.empty()) {
     throw InputError(fmt::format("{}: {}", target, reason));
   }
-  const double radius = radius_m(loaded->mesh);
+  const Eigen::Vector3d middle = middle_m(loaded->mesh);
+  const double radius = radius_m(loaded->mesh, middle);
   const double near_m = kFocal * 2 * radius / (kLargest * kSide);
   const double far_m = kFocal * 2 * radius / (kSmallest * kSide);
   // The smallest margin beside the target, halved.
   const double lateral_m = near_m * (1 - kLargest) / 4 * kSide / kFocal;
   const bool is_file = fs::path(target).has_extension() || target.find('/') != std::string::npos;
   const std::string named = is_file ? fs::absolute(target).lexically_normal().string() : target;
-  return fmt::format(R"(# The default scene of {0}: made from its size.
-name = "{1}"
-target = '{0}'
+  return fmt::format(R"(# The default scene of its target: made from its size.
+name = {0}
+target = {1}
 
 [camera]
 width_px = {2}
@@ -112,15 +121,17 @@ f_px = {3}.0
 attitude = "uniform"
 lateral_m = [-{4}, {4}]
 range_m = [{5}, {6}]
-
+{7}
 [background]
 level = [0.02, 0.3]
 )",
-                     named, is_file ? fs::path(target).stem().string() : target, kSide, kFocal,
-                     three_digits(lateral_m), three_digits(near_m), three_digits(far_m));
+                     toml_text(is_file ? plain_name(fs::path(target).stem().string()) : target),
+                     toml_text(named), kSide, kFocal, three_digits(lateral_m), three_digits(near_m),
+                     three_digits(far_m), aim_line(middle, radius));
 }
 
-Study read_set_study(const std::string& source, const StudyOverrides& overrides) {
+Study read_set_study(const std::string& source, const StudyOverrides& overrides,
+                     const MeshUse& use) {
   const fs::path path(source);
   const bool is_file = path.has_extension() || source.find('/') != std::string::npos;
   if (is_file && path.extension() == ".toml" && path.filename() != "target.toml") {
@@ -133,7 +144,7 @@ Study read_set_study(const std::string& source, const StudyOverrides& overrides)
     throw InputError(
         fmt::format("'{}' is neither a target nor a study{}", source, suggestion(source, names)));
   }
-  return read_scene_text(default_scene(source), path.stem().string() + " (default scene)",
+  return read_scene_text(default_scene(source, use), path.stem().string() + " (default scene)",
                          overrides);
 }
 
@@ -159,7 +170,7 @@ int object_id(const SetPlan& plan, const Target& target) {
 SetPlan plan_set(const SetRequest& request) {
   SetPlan plan;
   plan.format = &find_set_format(request.format);
-  plan.study = read_set_study(request.source, request.overrides);
+  plan.study = read_set_study(request.source, request.overrides, request.mesh);
   plan.count = request.count;
   plan.chunk = request.chunk;
   plan.has_full_truth = request.has_full_truth;

@@ -40,6 +40,7 @@ struct SetPlan {
 struct SetRequest {
   std::string source;  ///< name of a target or study, or a file: see read_set_study
   StudyOverrides overrides;
+  MeshUse mesh;  ///< what `overrides` say of the target's mesh
   int64_t count = 0;
   int chunk = 1000;
   std::string format = "bop";
@@ -50,11 +51,13 @@ struct SetRequest {
 
 /// What an image set shows: a scene file, a study of images, or, by its name or file, a target with
 /// a default scene. Throws InputError as read_study does.
-Study read_set_study(const std::string& source, const StudyOverrides& overrides);
+Study read_set_study(const std::string& source, const StudyOverrides& overrides,
+                     const MeshUse& use = {});
 
-/// The default scene of a target, as a scene file says it: uniform attitudes, at distances where
-/// the target covers three to seven tenths of the image's width.
-std::string default_scene(const std::string& target);
+/// The default scene of a target, as a scene file says it: uniform attitudes, the middle of its box
+/// at distances where a sphere round all of it covers three to seven tenths of the image's width.
+/// It says nothing of how the mesh is taken, but is made for its size as taken.
+std::string default_scene(const std::string& target, const MeshUse& use = {});
 
 SetPlan plan_set(const SetRequest& request);
 

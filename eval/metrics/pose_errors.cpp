@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <type_traits>
 #include <vector>
 
 #include <CGAL/Orthogonal_k_neighbor_search.h>
@@ -43,6 +44,21 @@ double greatest_distance(const Columns& a, const Columns& b) {
   const Columns difference = a - b;
   if (!difference.allFinite()) return kInfinity;
   return std::sqrt(difference.colwise().squaredNorm().maxCoeff());
+}
+
+// The same of pixels, but for the vertices that the camera does not see in the true pose either.
+double greatest_distance_px(Eigen::Matrix2Xd estimated, const Eigen::Matrix2Xd& truth) {
+  Eigen::Matrix2Xd seen = truth;
+  bool is_any_seen = false;
+  for (Eigen::Index i = 0; i < truth.cols(); ++i) {
+    if (truth.col(i).allFinite()) {
+      is_any_seen = true;
+    } else {
+      seen.col(i).setZero();
+      estimated.col(i).setZero();
+    }
+  }
+  return is_any_seen ? greatest_distance(estimated, seen) : kInfinity;
 }
 
 template <typename Columns>
@@ -115,7 +131,9 @@ double least_greatest_px(const Vertices& vertices, const Projection& projection,
   double least = kInfinity;
   for (const Pose& symmetry : symmetries) {
     const Eigen::Matrix2Xd alike = pixels_of(moved(vertices, truth * symmetry), projection);
-    least = std::min(least, greatest_distance(there, alike));
+    const double greatest = std::is_same_v<Projection, Camera> ? greatest_distance_px(there, alike)
+                                                               : greatest_distance(there, alike);
+    least = std::min(least, greatest);
   }
   return least;
 }
@@ -131,9 +149,10 @@ VertexErrors vertex_errors(const Vertices& vertices, const Camera& camera, const
                            const Pose& truth) {
   const Eigen::Matrix3Xd there = moved(vertices, estimated);
   const Eigen::Matrix3Xd true_places = moved(vertices, truth);
-  return {.add = mean_distance(there, true_places),
-          .mssd = greatest_distance(there, true_places),
-          .mspd_px = greatest_distance(pixels_of(there, camera), pixels_of(true_places, camera))};
+  return {
+      .add = mean_distance(there, true_places),
+      .mssd = greatest_distance(there, true_places),
+      .mspd_px = greatest_distance_px(pixels_of(there, camera), pixels_of(true_places, camera))};
 }
 
 double least_mspd_px(const Vertices& vertices, const Camera& camera, const Pose& estimated,

@@ -46,7 +46,8 @@ double mspd_px(const Vertices& vertices, const Eigen::Matrix3d& k, const Pose& e
                const Pose& truth, std::span<const Pose> symmetries);
 
 /// ADD, MSSD and MSPD of an object without symmetries, seen through a camera with its lens: MSPD is
-/// infinite where a vertex is at or behind the camera's plane.
+/// infinite where a vertex is at or behind the camera's plane, but takes none of those that are so
+/// in the true pose: of a body that reaches behind the camera, only what is in front is compared.
 struct VertexErrors {
   double add = 0;
   double mssd = 0;

@@ -102,7 +102,6 @@ bool is_add_s_good(const BopTarget& target);
 /// by T_error.
 /// An estimate that is none, and every one of an instance without a true pose, has no pair: the
 /// target is missed.
-/// VSD deviates where an estimate has vertices behind the camera: it then sees nothing.
 BopScores score_bop(
     const BopDataset& dataset, std::span<const BopEstimate> estimates, double vsd_delta_mm,
     const std::function<void()>& tick = [] {});

@@ -4,15 +4,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/imgproc.hpp>
 
 #include "renderer/renderer.h"
 #include "scenes/builders/target_file.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/toml_text.h"
 #include "scenes/target/proposal.h"
 
 namespace sightline {
@@ -20,7 +23,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLeastSizeM = 0.01;  // coordinates are written to the micrometre
+constexpr double kLeastSizeM = 1e-4;  // edges of a target must be longer than a nanometre
+constexpr size_t kFewFeatures = 6;    // with fewer in sight a wrong one cannot be told
+
+// Decimals with which a coordinate is known to some 1e-5 of the size; the micrometre or finer.
+int decimals_for(double size_m) {
+  return std::max(6, static_cast<int>(std::ceil(5 - std::log10(size_m))));
+}
 
 // Pitch, yaw and roll of the three views, and their captions.
 struct View {
@@ -117,17 +126,6 @@ cv::Mat draw_features(const std::shared_ptr<const Target>& target) {
   return whole;
 }
 
-// Letters that need no escape in TOML or a shell.
-std::string plain(const std::string& text) {
-  std::string out = text;
-  for (char& c : out) {
-    const auto code = static_cast<unsigned char>(c);
-    const bool is_plain = code < 0x80 && (std::isalnum(code) != 0 || c == '-' || c == '.');
-    if (!is_plain) c = '_';
-  }
-  return out;
-}
-
 fs::path folder_of(const std::string& given, const std::string& name) {
   fs::path folder = given.empty() ? fs::path(name) : fs::path(given);
   if (folder.extension() == ".toml") {
@@ -158,14 +156,77 @@ std::string proposals_text(const std::vector<FeatureProposal>& proposals) {
         (feature.edges[1].end_m - p).norm(), 100 * proposals[i].visible_fraction,
         100 * proposals[i].outline_fraction);
   }
-  return out + "visible: share of 200 views over the sphere; outline: of its lesser edge\n";
+  out += "visible: share of 200 views over the sphere; outline: of its lesser edge\n";
+  if (proposals.size() < kFewFeatures) {
+    out += fmt::format(
+        "warning: {} feature{}; a study wants {} or more: add some to target.toml by hand\n",
+        proposals.size(), proposals.size() == 1 ? " is all there is" : "s are all there are",
+        kFewFeatures);
+  }
+  return out;
+}
+
+// Takes back what it made, unless it is kept: files, and the folders that were not there before.
+class Undo {
+ public:
+  explicit Undo(const fs::path& folder) {
+    std::error_code error;
+    for (fs::path at = fs::absolute(folder); !fs::exists(at, error); at = at.parent_path()) {
+      made_.push_back(at);
+    }
+  }
+  Undo(const Undo&) = delete;
+  Undo& operator=(const Undo&) = delete;
+  ~Undo() {
+    std::error_code error;
+    for (const fs::path& path : made_) fs::remove(path, error);
+  }
+  // Files are taken back before their folders.
+  void add(const fs::path& file) {
+    std::error_code error;
+    if (!fs::exists(file, error)) made_.insert(made_.begin(), file);
+  }
+  void keep() { made_.clear(); }
+
+ private:
+  std::vector<fs::path> made_;
+};
+
+// Which parts have no features because they move.
+std::string moving_text(const Mesh& mesh) {
+  std::vector<std::string> names;
+  for (const Part& part : mesh.parts) {
+    const bool is_told = std::find(names.begin(), names.end(), part.name) != names.end();
+    if (is_moving_part(part.name) && !is_told) names.push_back(part.name);
+  }
+  if (names.empty()) return "";
+  return fmt::format("no features of what moves or blurs by its name (--hide leaves it out): {}\n",
+                     fmt::join(names, ", "));
+}
+
+std::string write_proposal(const BuiltTarget& built, const fs::path& folder,
+                           const std::string& picture_file,
+                           const std::vector<FeatureProposal>& proposals) {
+  const std::string picture =
+      picture_file.empty() ? (folder / "features.png").string() : picture_file;
+  Undo undo(folder);
+  for (const char* file : {"target.toml", "mesh.glb"}) undo.add(folder / file);
+  undo.add(picture);
+  write_target(built, folder);
+  // Read anew: what is drawn is what a study will see.
+  const auto written = load_target((folder / "target.toml").string());
+  write_picture(draw_features(written), picture);
+  undo.keep();
+  return proposals_text(proposals) + moving_text(built.mesh) +
+         fmt::format("\ntarget     {}\npicture    {}\n", (folder / "target.toml").string(),
+                     picture);
 }
 
 }  // namespace
 
 std::string propose_target(const std::shared_ptr<const Target>& target,
                            const TargetArguments& arguments) {
-  const std::string name = plain(target->name);
+  const std::string name = plain_name(target->name);
   const fs::path folder = folder_of(*arguments.propose, name);
   const Bounds box = bounds(target->mesh);
   const double size_m = (box.max_m - box.min_m).norm();
@@ -179,22 +240,16 @@ std::string propose_target(const std::shared_ptr<const Target>& target,
     throw InputError(fmt::format(
         "{}: has nothing to propose: no two straight sharp edges meet in sight", arguments.target));
   }
-  const std::string source = plain(fs::path(arguments.target).filename().string());
+  const std::string source = plain_name(fs::path(arguments.target).filename().string());
   BuiltTarget built{
       .name = name,
       .description = fmt::format("proposed from {}", source),
       .mesh = target->mesh,
       .features = {},
+      .decimals = decimals_for(size_m),
       .header = fmt::format("# Proposed by `sightline target {} --propose`.\n", source)};
   for (const FeatureProposal& proposal : proposals) built.features.push_back(proposal.feature);
-  write_target(built, folder);
-  // Read anew: what is drawn is what a study will see.
-  const auto written = load_target((folder / "target.toml").string());
-  const std::string picture =
-      arguments.picture.empty() ? (folder / "features.png").string() : arguments.picture;
-  write_picture(draw_features(written), picture);
-  return proposals_text(proposals) + fmt::format("\ntarget     {}\npicture    {}\n",
-                                                 (folder / "target.toml").string(), picture);
+  return write_proposal(built, folder, arguments.picture, proposals);
 }
 
 }  // namespace sightline

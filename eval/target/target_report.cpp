@@ -16,6 +16,7 @@
 #include "pose/attitude.h"
 #include "renderer/renderer.h"
 #include "scenes/files/input_error.h"
+#include "scenes/mesh/decimation.h"
 #include "scenes/mesh/mesh_inspection.h"
 #include "scenes/picture/picture_file.h"
 #include "scenes/target/target.h"
@@ -26,11 +27,6 @@ namespace {
 constexpr size_t kMaxListedParts = 40;
 constexpr int kPictureWidth = 960;
 constexpr int kPictureHeight = 640;
-
-bool is_mesh_file(const std::string& name_or_path) {
-  const std::filesystem::path path = name_or_path;
-  return path.has_extension() && path.extension() != ".toml";
-}
 
 std::string closedness(const MeshInspection& mesh) {
   if (mesh.closed_components == mesh.components) return "closed";
@@ -44,6 +40,17 @@ std::string orientation(const MeshInspection& mesh) {
                        mesh.flipped_edges, mesh.inward_components);
   }
   return mesh.closed_components == mesh.components ? "outward" : "agree with their neighbours";
+}
+
+// What a picture of the target would not show, and how its mesh was taken.
+std::vector<std::string> target_notes(const Target& target) {
+  std::vector<std::string> notes = target.mesh.notes;
+  const size_t lost = target.mesh.lost_textures.size();
+  if (lost > 0) {
+    notes.push_back(fmt::format("{}{}: drawn without", target.mesh.lost_textures.front(),
+                                lost == 1 ? "" : fmt::format(", and {} more are lost", lost - 1)));
+  }
+  return notes;
 }
 
 std::string mesh_text(const Target& target, const MeshInspection& mesh) {
@@ -62,6 +69,7 @@ std::string mesh_text(const Target& target, const MeshInspection& mesh) {
       "cleaned    {} vertices welded, {} degenerate and {} duplicate triangles dropped\n",
       target.cleaning.welded_vertices, target.cleaning.degenerate_triangles,
       target.cleaning.duplicate_triangles);
+  for (const std::string& note : target_notes(target)) out += fmt::format("note       {}\n", note);
   return out;
 }
 
@@ -156,19 +164,19 @@ void write_picture(const cv::Mat& image, const std::string& file) {
 
 namespace {
 
-MeshFrame frame_of(const TargetArguments& arguments) {
-  const bool has_frame = !(arguments.forward + arguments.up + arguments.unit).empty();
-  if (has_frame && !is_mesh_file(arguments.target)) {
-    throw InputError(
-        fmt::format("target {}: --forward, --up and --unit are for mesh files; a "
-                    "target says itself how its mesh lies",
-                    arguments.target));
+// Writes a mesh of fewer triangles; returns what to tell of it.
+std::string write_coarser(const Target& target, const TargetArguments& arguments) {
+  const std::filesystem::path file = arguments.coarser;
+  if (file.extension() != ".glb") {
+    throw InputError(fmt::format("--out {}: must end in .glb", arguments.coarser));
   }
-  MeshFrame frame;
-  if (!arguments.forward.empty()) frame.forward = arguments.forward;
-  if (!arguments.up.empty()) frame.up = arguments.up;
-  if (!arguments.unit.empty()) frame.unit_m = unit_named(arguments.unit);
-  return frame;
+  if (std::filesystem::exists(file)) {
+    throw InputError(fmt::format("--out {}: exists already; it is kept", arguments.coarser));
+  }
+  const Mesh coarser = decimated(target.mesh, arguments.kept_percent / 100);
+  write_glb(coarser, file);
+  return fmt::format("\ncoarser    {}: {} of {} triangles, grey; read it with --forward z --up y\n",
+                     arguments.coarser, coarser.triangles.size(), target.mesh.triangles.size());
 }
 
 }  // namespace
@@ -177,7 +185,7 @@ std::string report_target(const TargetArguments& arguments) {
   for (const double angle : arguments.theta_deg) {
     if (!std::isfinite(angle)) throw InputError(fmt::format("--theta: {} is not finite", angle));
   }
-  const std::shared_ptr<const Target> target = load_target(arguments.target, frame_of(arguments));
+  const std::shared_ptr<const Target> target = load_target(arguments.target, arguments.mesh);
   if (const std::string reason = why_not_renderable(*target); !reason.empty()) {
     throw InputError(fmt::format("target {}: {}", arguments.target, reason));
   }
@@ -186,6 +194,7 @@ std::string report_target(const TargetArguments& arguments) {
   if (!target->description.empty()) out += ": " + target->description;
   out += "\n\n" + mesh_text(*target, mesh) + parts_text(mesh) + features_text(*target) +
          silhouettes_text(*target);
+  if (!arguments.coarser.empty()) out += write_coarser(*target, arguments);
   if (arguments.propose) return out + propose_target(target, arguments);
   if (!arguments.picture.empty()) {
     const Scene scene = picture_scene(target, arguments.theta_deg);

@@ -15,13 +15,13 @@ namespace sightline {
 
 struct TargetArguments {
   std::string target;
-  std::string forward;  ///< for a mesh file: its axis that points forward, such as "-x"; or empty
-  std::string up;       ///< and the one that points up
-  std::string unit;     ///< and its unit, as `unit_named` takes it
+  MeshUse mesh;         ///< how its mesh is taken
   std::string picture;  ///< a .png to draw; none if empty
   std::vector<double> theta_deg = {-35, 25, 20};
   std::optional<std::string> propose;  ///< a folder for a proposed target; the target's name if ""
   int max_features = 16;               ///< of a proposal
+  double kept_percent = 100;           ///< of the triangles, in a coarser mesh that is written
+  std::string coarser;                 ///< to this .glb; none if empty
 };
 
 /// What `sightline target` prints; draws the picture and writes the proposal if they are asked for.

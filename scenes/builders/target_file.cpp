@@ -21,19 +21,21 @@ constexpr const char* kHeader = R"(# SPDX-FileCopyrightText: 2026 The Sightline 
 constexpr const char* kConventions =
     "# Coordinates are metres in the target's frame: x forward, y starboard, z down.\n";
 
-// Metres to the micrometre, the grid of the mesh's vertices; no negative zero.
-double rounded(double value_m) {
-  return std::round(value_m * 1e6) / 1e6 + 0.0;
+// Metres to so many decimals, by default the grid of the mesh's vertices; no negative zero.
+double rounded(double value_m, int decimals) {
+  const double steps = std::pow(10, decimals);
+  return std::round(value_m * steps) / steps + 0.0;
 }
 
-std::string to_toml(const Eigen::Vector3d& p) {
-  return fmt::format("[{:.6f}, {:.6f}, {:.6f}]", rounded(p.x()), rounded(p.y()), rounded(p.z()));
+std::string to_toml(const Eigen::Vector3d& p, int decimals) {
+  return fmt::format("[{0:.{3}f}, {1:.{3}f}, {2:.{3}f}]", rounded(p.x(), decimals),
+                     rounded(p.y(), decimals), rounded(p.z(), decimals), decimals);
 }
 
-std::string to_toml(const TargetFeature& feature) {
+std::string to_toml(const TargetFeature& feature, int decimals) {
   std::string text =
       fmt::format("\n[[feature]]\nname = \"{}\"\nkind = \"{}\"\nposition_m = {}\n", feature.name,
-                  to_string(feature.kind), to_toml(feature.position_m));
+                  to_string(feature.kind), to_toml(feature.position_m, decimals));
   if (feature.clearance_m != TargetFeature{}.clearance_m) {
     text += fmt::format("clearance_m = {}\n", feature.clearance_m);
   }
@@ -44,7 +46,8 @@ std::string to_toml(const TargetFeature& feature) {
   if (feature.kind != FeatureKind::kLineIntersection) return text;
   text += "edges_m = [\n";
   for (const Edge& edge : feature.edges) {
-    text += fmt::format("  [{}, {}],\n", to_toml(edge.begin_m), to_toml(edge.end_m));
+    text += fmt::format("  [{}, {}],\n", to_toml(edge.begin_m, decimals),
+                        to_toml(edge.end_m, decimals));
   }
   return text + "]\n";
 }
@@ -54,7 +57,9 @@ std::string to_toml(const BuiltTarget& target) {
   text += kConventions;
   text += fmt::format("name = \"{}\"\ndescription = \"{}\"\n", target.name, target.description);
   text += "\n[mesh]\nfile = \"mesh.glb\"\nforward = \"+z\"\nup = \"+y\"\nunit_m = 1.0\n";
-  for (const TargetFeature& feature : target.features) text += to_toml(feature);
+  for (const TargetFeature& feature : target.features) {
+    text += to_toml(feature, target.decimals);
+  }
   return text;
 }
 

@@ -20,6 +20,7 @@ struct BuiltTarget {
   std::string description;
   Mesh mesh;
   std::vector<TargetFeature> features;
+  int decimals = 6;      ///< of the metres that are written
   std::string header{};  ///< comment lines that begin target.toml; the builders' own when empty
 };
 

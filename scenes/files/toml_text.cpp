@@ -3,6 +3,7 @@
 #include "scenes/files/toml_text.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <system_error>
 
@@ -65,6 +66,17 @@ std::string toml_text(std::string_view text) {
     }
   }
   return out + '"';
+}
+
+std::string plain_name(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) {
+    const auto code = static_cast<unsigned char>(c);
+    const bool is_plain = code < 0x80 && (std::isalnum(code) != 0 || c == '-' || c == '.');
+    if (!is_plain) c = '_';
+  }
+  if (out.empty() || out.front() == '.') out.insert(0, "_");
+  return out;
 }
 
 std::string with_shortest_numbers(std::string_view toml) {

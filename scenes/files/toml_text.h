@@ -13,6 +13,10 @@ namespace sightline {
 /// A text as TOML writes it, in quotes, whatever it holds.
 std::string toml_text(std::string_view text);
 
+/// A name made of any text: its letters, digits, '-' and '.', all else as underscores, which need no
+/// escape in TOML or a shell. It is never empty and does not begin with a '.'.
+std::string plain_name(std::string_view text);
+
 /// TOML with its numbers in the fewest digits that read back the same: toml++ writes 0.15 as
 /// 0.14999999999999999. Texts stay as they are.
 std::string with_shortest_numbers(std::string_view toml);

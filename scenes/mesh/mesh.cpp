@@ -70,9 +70,14 @@ Bounds bounds(const Mesh& mesh) {
   return box;
 }
 
-double radius_m(const Mesh& mesh) {
+Eigen::Vector3d middle_m(const Mesh& mesh) {
+  const Bounds box = bounds(mesh);
+  return (box.min_m + box.max_m) / 2;
+}
+
+double radius_m(const Mesh& mesh, const Eigen::Vector3d& about_m) {
   double radius = 0;
-  for (const Eigen::Vector3d& v : mesh.vertices) radius = std::max(radius, v.norm());
+  for (const Eigen::Vector3d& v : mesh.vertices) radius = std::max(radius, (v - about_m).norm());
   return radius;
 }
 

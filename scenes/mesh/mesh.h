@@ -39,6 +39,8 @@ struct Mesh {
   std::vector<std::shared_ptr<const Texture>> textures = {};
   /// Why textures that the file names cannot be drawn, a sentence each.
   std::vector<std::string> lost_textures = {};
+  /// What else of the file is not drawn, or is taken otherwise than it says; a clause each.
+  std::vector<std::string> notes = {};
 };
 
 /// Sets every corner normal to the area-weighted mean of the normals of the faces around that
@@ -66,7 +68,11 @@ struct Bounds {
 /// The axis-aligned box of the vertices. The mesh must not be empty.
 Bounds bounds(const Mesh& mesh);
 
-/// The greatest distance from the origin of the target's frame to a vertex, metres.
-double radius_m(const Mesh& mesh);
+/// The middle of that box.
+Eigen::Vector3d middle_m(const Mesh& mesh);
+
+/// The greatest distance from a point, by default the origin of the target's frame, to a vertex,
+/// metres.
+double radius_m(const Mesh& mesh, const Eigen::Vector3d& about_m = Eigen::Vector3d::Zero());
 
 }  // namespace sightline

@@ -1,33 +1,69 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <set>
+
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/mesh/mesh_folder.h"
 #include "scenes/mesh/mesh_soup.h"
+#include "scenes/mesh/mesh_text.h"
+#include "scenes/mesh/obj_text.h"
 #include "scenes/mesh/textures.h"
 
 namespace sightline {
 namespace {
 
-// Materials and scenes name other files: only those of the mesh's own folder are opened.
+// Materials and scenes name other files: only those that the mesh may name are opened.
 class FolderOnly : public Assimp::DefaultIOSystem {
  public:
-  explicit FolderOnly(std::filesystem::path folder) : folder_(std::move(folder)) {}
+  explicit FolderOnly(const std::filesystem::path& mesh) : folder_(mesh) {}
 
-  bool Exists(const char* file) const override {
-    return is_inside(folder_, file) && std::filesystem::is_regular_file(file);
-  }
+  bool Exists(const char* file) const override { return find(file).has_value(); }
   Assimp::IOStream* Open(const char* file, const char* mode) override {
-    return Exists(file) ? DefaultIOSystem::Open(file, mode) : nullptr;
+    const auto found = find(file);
+    if (!found) return nullptr;
+    if (!text_.empty() && *found == text_of_) {
+      return new Assimp::MemoryIOStream(reinterpret_cast<const uint8_t*>(text_.data()),
+                                        text_.size());
+    }
+    return DefaultIOSystem::Open(found->c_str(), mode);
+  }
+
+  // Files that are there, but were not read, as the mesh names them.
+  const std::set<std::string>& ignored() const { return ignored_; }
+
+  // What is read for that file, instead of what is in it.
+  void give(std::filesystem::path file, std::string text) {
+    text_of_ = std::move(file);
+    text_ = std::move(text);
   }
 
  private:
-  std::filesystem::path folder_;
+  std::optional<std::filesystem::path> find(const char* file) const {
+    const auto found = folder_.find(file);
+    std::error_code error;
+    if (!found && std::filesystem::is_regular_file(file, error)) {
+      ignored_.insert(std::filesystem::path(file).lexically_proximate(folder_.path()).string());
+    }
+    return found;
+  }
+
+  MeshFolder folder_;
+  mutable std::set<std::string> ignored_;
+  std::filesystem::path text_of_;
+  std::string text_;
 };
 
 Eigen::Matrix4d to_eigen(const aiMatrix4x4& m) {
@@ -166,13 +202,87 @@ void add_node(const Reading& reading, const aiNode& node, const Eigen::Matrix4d&
   }
 }
 
+std::string whole_text(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// Gives Assimp what it can read of a file that it cannot read as it is: a georeferenced .obj moved
+// near its origin, a tidy .stl. Returns how what is read goes back.
+Eigen::Matrix4d prepare(const std::filesystem::path& file, FolderOnly& files) {
+  Eigen::Matrix4d file_from_read = Eigen::Matrix4d::Identity();
+  const std::string extension = lower_extension(file);
+  if (extension == ".stl") {
+    std::string tidy = tidy_stl(whole_text(file));
+    if (!tidy.empty()) files.give(file, std::move(tidy));
+  }
+  if (extension != ".obj") return file_from_read;
+  const std::string text = whole_text(file);
+  if (const auto middle = far_middle(text)) {
+    files.give(file, moved_obj(text, *middle));
+    file_from_read.topRightCorner<3, 1>() = *middle;
+  }
+  return file_from_read;
+}
+
+// Metres in a unit of the file, as far as its format says.
+double stated_unit_m(const aiScene& scene, const std::filesystem::path& file) {
+  const std::string extension = lower_extension(file);
+  if (extension == ".dae") return collada_unit_m(whole_text(file));
+  if (extension == ".fbx") {  // in centimetres; a number of either kind, by the file's version
+    double centimetres = 1;
+    float single = 1;
+    if (scene.mMetaData == nullptr) return 0.01;
+    if (scene.mMetaData->Get("UnitScaleFactor", centimetres)) return 0.01 * centimetres;
+    if (!scene.mMetaData->Get("UnitScaleFactor", single)) return 0.01;
+    return 0.01 * std::stod(fmt::format("{}", single));  // 2.54, not what a float makes of it
+  }
+  return extension == ".3mf" ? threemf_unit_m(beginning_in_zip(whole_text(file), ".model")) : 1;
+}
+
+size_t undrawn_faces(const aiScene& scene) {
+  size_t count = 0;
+  for (unsigned i = 0; i < scene.mNumMeshes; ++i) {
+    const aiMesh& mesh = *scene.mMeshes[i];
+    count += std::count_if(mesh.mFaces, mesh.mFaces + mesh.mNumFaces,
+                           [](const aiFace& face) { return face.mNumIndices != 3; });
+  }
+  return count;
+}
+
+std::string counted(size_t count, const char* what) {
+  return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+}
+
+// What the file holds and a picture of it does not show.
+void add_notes(const aiScene& scene, const FolderOnly& files, MeshSoup& soup) {
+  std::vector<std::string> undrawn;
+  const size_t faces = undrawn_faces(scene);
+  if (faces > 0) undrawn.push_back(counted(faces, "point") + " and lines");
+  if (scene.mNumAnimations > 0) {
+    undrawn.push_back(counted(scene.mNumAnimations, "animation") + " (it stands as its nodes do)");
+  }
+  if (scene.mNumLights > 0) undrawn.push_back(counted(scene.mNumLights, "light") + " of its own");
+  if (!undrawn.empty()) {
+    soup.notes.push_back(fmt::format("not drawn: {}", fmt::join(undrawn, ", ")));
+  }
+  if (!files.ignored().empty()) {
+    soup.notes.push_back(fmt::format("ignored, for they lie outside its folder: {}",
+                                     fmt::join(files.ignored(), ", ")));
+  }
+}
+
 }  // namespace
 
 MeshSoup read_with_assimp(const std::filesystem::path& file) {
-  const std::filesystem::path whole_path = std::filesystem::absolute(file);
+  const std::filesystem::path whole_path = std::filesystem::absolute(file).lexically_normal();
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);  // not their ids
-  importer.SetIOHandler(new FolderOnly(whole_path.parent_path()));  // the importer deletes it
+  // Axes are the file's own, as of every format; the caller says which point where.
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
+  auto* files = new FolderOnly(whole_path);  // the importer deletes it
+  importer.SetIOHandler(files);
+  Eigen::Matrix4d file_from_read = prepare(whole_path, *files);
   const aiScene* scene = importer.ReadFile(whole_path.string(),
                                            aiProcess_Triangulate | aiProcess_ValidateDataStructure);
   const bool is_whole = scene != nullptr && scene->mRootNode != nullptr &&
@@ -182,8 +292,15 @@ MeshSoup read_with_assimp(const std::filesystem::path& file) {
         fmt::format("{}: cannot be read as a mesh: {}", file.string(), importer.GetErrorString()));
   }
   MeshSoup soup;
+  soup.unit_m = stated_unit_m(*scene, whole_path);
+  if (soup.unit_m != 1) {
+    soup.notes.push_back(fmt::format("its unit is {:.6g} m by its own word", soup.unit_m));
+  }
+  // Assimp has applied a .dae's unit: what the caller may replace is taken back.
+  if (lower_extension(file) == ".dae") file_from_read.topRows<3>() /= soup.unit_m;
   TextureShelf shelf(soup, file);
-  add_node({*scene, file, soup, shelf}, *scene->mRootNode, Eigen::Matrix4d::Identity());
+  add_node({*scene, file, soup, shelf}, *scene->mRootNode, file_from_read);
+  add_notes(*scene, *files, soup);
   return soup;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 // Compiled here without its image codecs, which nothing needs: Debian's compiled library disagrees
 // with its own header about the class and finds no file callbacks.
@@ -8,129 +9,30 @@
 #define TINYGLTF_NO_STB_IMAGE
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <map>
 #include <optional>
 #include <set>
-#include <span>
+#include <string_view>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <tiny_gltf.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/mesh/gltf_accessor.h"
 #include "scenes/mesh/gltf_material.h"
+#include "scenes/mesh/gltf_shape.h"
+#include "scenes/mesh/gltf_unpack.h"
+#include "scenes/mesh/mesh_folder.h"
 #include "scenes/mesh/mesh_soup.h"
 #include "scenes/mesh/textures.h"
 
 namespace sightline {
 namespace {
-
-[[noreturn]] void fail(const std::filesystem::path& file, std::string reason) {
-  while (!reason.empty() && reason.back() == '\n') reason.pop_back();
-  throw InputError(fmt::format("{}: cannot be read as glTF: {}", file.string(), reason));
-}
-
-// The bytes of element i of an accessor; checked against the buffer's end, since files lie.
-class Accessor {
- public:
-  Accessor(const tinygltf::Model& model, int index, const std::filesystem::path& file)
-      : file_(file) {
-    if (index < 0 || index >= static_cast<int>(model.accessors.size())) fail(file, "bad accessor");
-    accessor_ = &model.accessors[index];
-    if (accessor_->sparse.isSparse) fail(file, "sparse accessors are not supported");
-    const int view_index = accessor_->bufferView;
-    if (view_index < 0 || view_index >= static_cast<int>(model.bufferViews.size())) {
-      fail(file, "an accessor without a buffer view (compressed meshes are not supported)");
-    }
-    const tinygltf::BufferView& view = model.bufferViews[view_index];
-    if (view.buffer < 0 || view.buffer >= static_cast<int>(model.buffers.size())) {
-      fail(file, "bad buffer index");
-    }
-    const auto& bytes = model.buffers[view.buffer].data;
-    const int stride = accessor_->ByteStride(view);
-    const int element = tinygltf::GetComponentSizeInBytes(accessor_->componentType) *
-                        tinygltf::GetNumComponentsInType(accessor_->type);
-    const size_t begin = view.byteOffset + accessor_->byteOffset;
-    // By division: a lying count must not wrap.
-    const bool fits = stride > 0 && element > 0 && begin <= bytes.size() &&
-                      static_cast<size_t>(element) <= bytes.size() - begin &&
-                      accessor_->count <= 1 + (bytes.size() - begin - element) / stride;
-    if (!fits) fail(file, "an accessor reaches past its buffer");
-    data_ = bytes.data() + begin;
-    stride_ = stride;
-  }
-
-  size_t count() const { return accessor_->count; }
-
-  Eigen::Vector3d vector3(size_t i) const {
-    if (accessor_->componentType != TINYGLTF_COMPONENT_TYPE_FLOAT ||
-        accessor_->type != TINYGLTF_TYPE_VEC3) {
-      fail(file_, "positions and normals must be three floats");
-    }
-    float xyz[3];
-    std::memcpy(xyz, data_ + stride_ * i, sizeof xyz);
-    return {xyz[0], xyz[1], xyz[2]};
-  }
-
-  // As many numbers of element i as `out` has; what the accessor lacks stays. Whole numbers are
-  // normalised, as glTF's coordinates and colours are.
-  void read_numbers(size_t i, std::span<float> out) const {
-    const int type = accessor_->componentType;
-    const int size = tinygltf::GetComponentSizeInBytes(static_cast<uint32_t>(type));
-    const int there = tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor_->type));
-    for (size_t k = 0; k < std::min(out.size(), static_cast<size_t>(there)); ++k) {
-      const unsigned char* at = data_ + stride_ * i + k * size;
-      if (type == TINYGLTF_COMPONENT_TYPE_FLOAT) std::memcpy(&out[k], at, sizeof out[k]);
-      if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) out[k] = static_cast<float>(*at / 255.0);
-      if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) {
-        uint16_t value;
-        std::memcpy(&value, at, sizeof value);
-        out[k] = static_cast<float>(value / 65535.0);
-      }
-    }
-  }
-
-  size_t index(size_t i) const {
-    const unsigned char* at = data_ + stride_ * i;
-    switch (accessor_->componentType) {
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-        return *at;
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
-        uint16_t value;
-        std::memcpy(&value, at, sizeof value);
-        return value;
-      }
-      case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: {
-        uint32_t value;
-        std::memcpy(&value, at, sizeof value);
-        return value;
-      }
-      default:
-        fail(file_, "indices must be unsigned integers");
-    }
-  }
-
- private:
-  const std::filesystem::path& file_;
-  const tinygltf::Accessor* accessor_ = nullptr;
-  const unsigned char* data_ = nullptr;
-  size_t stride_ = 0;
-};
-
-Eigen::Matrix4d local_transform(const tinygltf::Node& node) {
-  Eigen::Affine3d transform = Eigen::Affine3d::Identity();
-  if (node.matrix.size() == 16) return Eigen::Map<const Eigen::Matrix4d>(node.matrix.data());
-  if (node.translation.size() == 3) {
-    transform.translate(Eigen::Vector3d(node.translation.data()));
-  }
-  if (node.rotation.size() == 4) {
-    const auto& q = node.rotation;  // glTF stores x, y, z, w
-    transform.rotate(Eigen::Quaterniond(q[3], q[0], q[1], q[2]).normalized());
-  }
-  if (node.scale.size() == 3) transform.scale(Eigen::Vector3d(node.scale.data()));
-  return transform.matrix();
-}
 
 // The three vertex indices of triangle i of a list, strip or fan.
 std::array<size_t, 3> corners_of(int mode, size_t i) {
@@ -142,15 +44,41 @@ std::array<size_t, 3> corners_of(int mode, size_t i) {
   return {3 * i, 3 * i + 1, 3 * i + 2};
 }
 
-constexpr int kMaxDepth = 256;
+// Extensions that a file may require: those that are read, and those of light and surfaces, without
+// which the shape is the same.
+constexpr std::array<std::string_view, 8> kKnownExtensions = {
+    "KHR_mesh_quantization",   "EXT_meshopt_compression", "KHR_draco_mesh_compression",
+    "EXT_mesh_gpu_instancing", "KHR_texture_transform",   "EXT_texture_webp",
+    "KHR_lights_punctual",     "KHR_texture_basisu"};
+
+bool is_known(const std::string& extension) {
+  return extension.starts_with("KHR_materials_") ||
+         std::find(kKnownExtensions.begin(), kKnownExtensions.end(), extension) !=
+             kKnownExtensions.end();
+}
+
+void require_known_extensions(const tinygltf::Model& model, const std::filesystem::path& file) {
+  for (const std::string& extension : model.extensionsRequired) {
+    if (is_known(extension)) continue;
+    fail_gltf(file, fmt::format("it requires the extension {}, which is not known here; export it "
+                                "without",
+                                extension));
+  }
+}
 
 class Reader {
  public:
   Reader(const tinygltf::Model& model, const std::filesystem::path& file)
-      : model_(model), file_(file), shelf_(soup_, file), materials_(model, shelf_) {}
+      : model_(model),
+        file_(file),
+        file_from_nodes_(global_transforms(model, file)),
+        shelf_(soup_, file),
+        materials_(model, shelf_) {}
 
   MeshSoup read() {
-    for (const int node : root_nodes()) add_node(node, Eigen::Matrix4d::Identity(), 0);
+    require_known_extensions(model_, file_);
+    for (const int node : root_nodes()) add_node(node);
+    add_notes();
     return std::move(soup_);
   }
 
@@ -159,7 +87,7 @@ class Reader {
   std::vector<int> root_nodes() const {
     if (!model_.scenes.empty()) {
       const size_t scene = static_cast<size_t>(std::max(0, model_.defaultScene));
-      if (scene >= model_.scenes.size()) fail(file_, "bad scene index");
+      if (scene >= model_.scenes.size()) fail_gltf(file_, "bad scene index");
       return model_.scenes[scene].nodes;
     }
     std::set<int> children;
@@ -173,19 +101,21 @@ class Reader {
     return roots;
   }
 
-  void add_node(int index, const Eigen::Matrix4d& file_from_parent, int depth) {
-    if (index < 0 || index >= static_cast<int>(model_.nodes.size())) fail(file_, "bad node index");
-    if (depth > kMaxDepth) fail(file_, fmt::format("nodes are nested deeper than {}", kMaxDepth));
-    // Each has one parent, says glTF; else a few nodes could unfold into any number.
-    if (!visited_.insert(index).second) fail(file_, fmt::format("node {} has two parents", index));
+  // The nodes make a forest: see global_transforms.
+  void add_node(int index) {
+    if (index < 0 || index >= static_cast<int>(model_.nodes.size())) {
+      fail_gltf(file_, "bad node index");
+    }
+    if (!visited_.insert(index).second) {
+      fail_gltf(file_, fmt::format("node {} is in the scene twice", index));
+    }
     const tinygltf::Node& node = model_.nodes[index];
-    const Eigen::Matrix4d file_from_node = file_from_parent * local_transform(node);
     if (node.mesh >= 0 && node.mesh < static_cast<int>(model_.meshes.size())) {
       for (const tinygltf::Primitive& primitive : model_.meshes[node.mesh].primitives) {
-        add_primitive(primitive, node, file_from_node);
+        add_primitive(primitive, node, file_from_nodes_[index]);
       }
     }
-    for (const int child : node.children) add_node(child, file_from_node, depth + 1);
+    for (const int child : node.children) add_node(child);
   }
 
   void add_primitive(const tinygltf::Primitive& primitive, const tinygltf::Node& node,
@@ -193,22 +123,23 @@ class Reader {
     const int mode = primitive.mode < 0 ? TINYGLTF_MODE_TRIANGLES : primitive.mode;
     if (mode != TINYGLTF_MODE_TRIANGLES && mode != TINYGLTF_MODE_TRIANGLE_STRIP &&
         mode != TINYGLTF_MODE_TRIANGLE_FAN) {
-      return;  // points and lines
+      ++undrawn_primitives_;  // points and lines
+      return;
     }
-    const auto position = primitive.attributes.find("POSITION");
-    if (position == primitive.attributes.end()) return;
-    const Accessor positions(model_, position->second, file_);
-    const auto normal = primitive.attributes.find("NORMAL");
-    std::optional<Accessor> normals;
-    if (normal != primitive.attributes.end()) normals.emplace(model_, normal->second, file_);
-    std::optional<Accessor> indices;
+    if (!primitive.attributes.contains("POSITION")) return;
+    const GltfShape shape(model_, primitive, node, file_from_nodes_, file_);
+    std::optional<GltfAccessor> indices;
     if (primitive.indices >= 0) indices.emplace(model_, primitive.indices, file_);
-
-    const size_t corner_count = indices ? indices->count() : positions.count();
+    const size_t corner_count = indices ? indices->count() : shape.vertex_count();
     const size_t triangle_count = mode == TINYGLTF_MODE_TRIANGLES ? corner_count / 3
                                   : corner_count < 3              ? 0
                                                                   : corner_count - 2;
-    require_room(soup_, triangle_count, file_);
+    std::vector<Eigen::Matrix4d> copies = instances_of(model_, node, file_);
+    if (shape.is_skinned()) copies.assign(1, Eigen::Matrix4d::Identity());
+    if (triangle_count > 0 && copies.size() > kMaxTriangles / triangle_count) {
+      require_room(soup_, kMaxTriangles + 1, file_);
+    }
+    require_room(soup_, triangle_count * copies.size(), file_);
     const CoatAccessors coats = coats_of(primitive);
     soup_.parts.push_back(
         {part_name(primitive, node), albedo_of(primitive), material_of(primitive, coats)});
@@ -218,26 +149,58 @@ class Reader {
       const std::array<size_t, 3> corners = corners_of(mode, i);
       for (int c = 0; c < 3; ++c) {
         const size_t vertex = indices ? indices->index(corners[c]) : corners[c];
-        if (vertex >= positions.count()) fail(file_, "an index is out of range");
-        triangle.corner[c] = positions.vector3(vertex);
-        const bool has_normal = normals && vertex < normals->count();
-        triangle.normal[c] = has_normal ? normals->vector3(vertex) : Eigen::Vector3d::Zero();
+        if (vertex >= shape.vertex_count()) fail_gltf(file_, "an index is out of range");
+        triangle.corner[c] = shape.position(vertex);
+        triangle.normal[c] = shape.normal(vertex);
         coats.read(vertex, c, triangle.coat);
       }
-      add_transformed(soup_, triangle, file_from_node);
+      for (const Eigen::Matrix4d& copy : copies) {
+        add_transformed(soup_, triangle,
+                        shape.is_skinned() ? copy : Eigen::Matrix4d(file_from_node * copy));
+      }
     }
+  }
+
+  // What the file holds and a picture of it does not show.
+  void add_notes() {
+    std::vector<std::string> undrawn;
+    if (undrawn_primitives_ > 0) {
+      undrawn.push_back(fmt::format("{} primitive{} of points or lines", undrawn_primitives_,
+                                    undrawn_primitives_ == 1 ? "" : "s"));
+    }
+    if (!model_.animations.empty()) {
+      undrawn.push_back(fmt::format("{} animation{} (it stands as its nodes do)",
+                                    model_.animations.size(),
+                                    model_.animations.size() == 1 ? "" : "s"));
+    }
+    if (!model_.lights.empty()) {
+      undrawn.push_back(fmt::format("{} light{} of its own", model_.lights.size(),
+                                    model_.lights.size() == 1 ? "" : "s"));
+    }
+    if (model_.scenes.size() > 1) {
+      undrawn.push_back(fmt::format("{} other scene{}", model_.scenes.size() - 1,
+                                    model_.scenes.size() == 2 ? "" : "s"));
+    }
+    for (const std::string& extension : model_.extensionsUsed) {
+      if (extension == "KHR_texture_basisu") undrawn.emplace_back("textures of KHR_texture_basisu");
+    }
+    if (!undrawn.empty())
+      soup_.notes.push_back(fmt::format("not drawn: {}", fmt::join(undrawn, ", ")));
   }
 
   // Where a primitive's corners have texture coordinates and colours.
   struct CoatAccessors {
-    std::optional<Accessor> uv;
-    std::optional<Accessor> colours;
+    std::optional<GltfAccessor> uv;
+    std::optional<GltfAccessor> colours;
+    bool is_uv_normalised = true;  // whole numbers always are, but for KHR_mesh_quantization
 
     void read(size_t vertex, int corner, Coat& coat) const {
-      if (uv && vertex < uv->count()) uv->read_numbers(vertex, {coat.uv[corner].data(), 2});
+      if (uv && vertex < uv->count()) {
+        uv->read_numbers(vertex, {coat.uv[corner].data(), 2}, is_uv_normalised);
+      }
       if (!colours || vertex >= colours->count()) return;
       Eigen::Vector4f& colour = coat.colour[corner];
-      colours->read_numbers(vertex, {colour.data(), 4});
+      colours->read_numbers(vertex, {colour.data(), 4}, true);
       for (float& channel : colour) channel = channel > 0 ? std::min(channel, 1.0f) : 0.0f;
     }
   };
@@ -250,6 +213,9 @@ class Reader {
   CoatAccessors coats_of(const tinygltf::Primitive& primitive) {
     const int set = has_material(primitive) ? materials_.uv_set(primitive.material) : 0;
     CoatAccessors out;
+    const auto& used = model_.extensionsUsed;
+    out.is_uv_normalised =
+        std::find(used.begin(), used.end(), "KHR_mesh_quantization") == used.end();
     const auto& attributes = primitive.attributes;
     const auto uv = attributes.find(fmt::format("TEXCOORD_{}", set));
     const auto colours = attributes.find("COLOR_0");
@@ -290,7 +256,9 @@ class Reader {
 
   const tinygltf::Model& model_;
   const std::filesystem::path& file_;
+  std::vector<Eigen::Matrix4d> file_from_nodes_;
   std::set<int> visited_;
+  int undrawn_primitives_ = 0;
   MeshSoup soup_;
   TextureShelf shelf_;
   GltfMaterials materials_;
@@ -301,7 +269,7 @@ constexpr std::string_view kBinaryMagic = "glTF";
 std::string read_whole(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string bytes((std::istreambuf_iterator<char>(stream)), {});
-  if (!stream) fail(file, "it cannot be opened");
+  if (!stream) fail_gltf(file, "it cannot be opened");
   return bytes;
 }
 
@@ -309,48 +277,93 @@ std::string read_whole(const std::filesystem::path& file) {
 void require_whole_glb(std::string_view bytes, const std::filesystem::path& file) {
   constexpr size_t kHeaderBytes = 12;  // magic, version, length
   constexpr size_t kChunkHeaderBytes = 8;
-  if (bytes.size() < kHeaderBytes) fail(file, "it is torn within its header");
+  if (bytes.size() < kHeaderBytes) fail_gltf(file, "it is torn within its header");
   uint32_t declared = 0;
   std::memcpy(&declared, bytes.data() + 8, sizeof declared);
   bytes = bytes.substr(0, declared);
   size_t at = kHeaderBytes;
   while (at < bytes.size()) {
-    if (bytes.size() - at < kChunkHeaderBytes) fail(file, "it is torn within a chunk's header");
+    if (bytes.size() - at < kChunkHeaderBytes)
+      fail_gltf(file, "it is torn within a chunk's header");
     uint32_t length = 0;
     std::memcpy(&length, bytes.data() + at, sizeof length);
     at += kChunkHeaderBytes;
-    if (length > bytes.size() - at) fail(file, "it is torn: a chunk is longer than the file");
+    if (length > bytes.size() - at) fail_gltf(file, "it is torn: a chunk is longer than the file");
     at += length;
   }
 }
 
-// What tinygltf may open for a buffer's URI: regular files in the folder, or below it.
-bool is_readable(const std::string& path, void* folder) {
-  return is_inside(*static_cast<const std::filesystem::path*>(folder), path) &&
-         std::filesystem::is_regular_file(path);
+// What tinygltf may open: the files that the mesh may name, and what was unpacked.
+struct Files {
+  MeshFolder folder;
+  std::map<std::string, GltfBytes> unpacked = {};
+
+  const GltfBytes* find_unpacked(const std::string& path) const {
+    const auto found = unpacked.find(std::filesystem::path(path).filename().string());
+    return found == unpacked.end() ? nullptr : &found->second;
+  }
+};
+
+bool is_readable(const std::string& path, void* files) {
+  const auto& of = *static_cast<const Files*>(files);
+  return of.find_unpacked(path) != nullptr || of.folder.find(path).has_value();
 }
 
 bool read_buffer(std::vector<unsigned char>* out, std::string* error, const std::string& path,
-                 void* folder) {
-  if (!is_readable(path, folder)) {
+                 void* files) {
+  const auto& of = *static_cast<const Files*>(files);
+  if (const GltfBytes* unpacked = of.find_unpacked(path)) {
+    *out = *unpacked;
+    return true;
+  }
+  const auto found = of.folder.find(path);
+  if (!found) {
     *error = "lies outside the file's folder";
     return false;
   }
-  std::ifstream stream(path, std::ios::binary);
+  std::ifstream stream(*found, std::ios::binary);
   out->assign(std::istreambuf_iterator<char>(stream), {});
   return static_cast<bool>(stream);
+}
+
+// A URI's path: "%20" is a space.
+std::string without_escapes(const std::string& uri) {
+  std::string path;
+  for (size_t i = 0; i < uri.size(); ++i) {
+    int code = 0;
+    const char* const digits = uri.data() + i + 1;
+    const bool is_escape = uri[i] == '%' && i + 2 < uri.size() &&
+                           std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2;
+    path += is_escape ? static_cast<char>(code) : uri[i];
+    if (is_escape) i += 2;
+  }
+  return path;
+}
+
+// The buffer of a URI: data that stand in it, or a file.
+GltfBytes buffer_of(const std::string& uri, Files& files) {
+  GltfBytes out;
+  std::string unused;
+  if (tinygltf::IsDataURI(uri)) {
+    tinygltf::DecodeDataURI(&out, unused, uri, 0, false);
+    return out;
+  }
+  if (!read_buffer(&out, &unused, without_escapes(uri), &files)) {
+    throw InputError(fmt::format("buffer {} cannot be read", uri));
+  }
+  return out;
 }
 
 }  // namespace
 
 MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& file) {
-  std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  Files files{MeshFolder(file)};
   tinygltf::TinyGLTF loader;
   loader.SetFsCallbacks({.FileExists = is_readable,
                          .ExpandFilePath = tinygltf::ExpandFilePath,
                          .ReadWholeFile = read_buffer,
                          .WriteWholeFile = tinygltf::WriteWholeFile,
-                         .user_data = &folder});
+                         .user_data = &files});
   // Images stay as their files have them: which are needed, and how, the materials say.
   loader.SetImageLoader(
       [](tinygltf::Image* image, const int, std::string*, std::string*, int, int,
@@ -359,19 +372,32 @@ MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& fi
         return true;
       },
       nullptr);
-  if (bytes.size() > std::numeric_limits<unsigned>::max()) fail(file, "it is larger than 4 GiB");
+  if (bytes.size() > std::numeric_limits<unsigned>::max()) {
+    fail_gltf(file, "it is larger than 4 GiB");
+  }
+  if (bytes.starts_with(kBinaryMagic)) require_whole_glb(bytes, file);
+  std::string plain;
+  try {
+    if (auto unpacked =
+            unpack_gltf(bytes, [&](const std::string& uri) { return buffer_of(uri, files); })) {
+      plain = std::move(unpacked->json);
+      files.unpacked = std::move(unpacked->buffers);
+      bytes = plain;
+    }
+  } catch (const InputError& error) {
+    fail_gltf(file, error.what());
+  }
   const auto size = static_cast<unsigned>(bytes.size());
-  const bool is_binary = bytes.starts_with(kBinaryMagic);
-  if (is_binary) require_whole_glb(bytes, file);
   tinygltf::Model model;
   std::string error, warning;
   const bool read =
-      is_binary ? loader.LoadBinaryFromMemory(&model, &error, &warning,
-                                              reinterpret_cast<const unsigned char*>(bytes.data()),
-                                              size, folder.string())
-                : loader.LoadASCIIFromString(&model, &error, &warning, bytes.data(), size,
-                                             folder.string());
-  if (!read) fail(file, error.empty() ? "not a glTF file" : error);
+      bytes.starts_with(kBinaryMagic)
+          ? loader.LoadBinaryFromMemory(&model, &error, &warning,
+                                        reinterpret_cast<const unsigned char*>(bytes.data()), size,
+                                        files.folder.path().string())
+          : loader.LoadASCIIFromString(&model, &error, &warning, bytes.data(), size,
+                                       files.folder.path().string());
+  if (!read) fail_gltf(file, error.empty() ? "not a glTF file" : error);
   return Reader(model, file).read();
 }
 

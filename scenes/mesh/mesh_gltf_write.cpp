@@ -107,6 +107,7 @@ tinygltf::Material gltf_material(const Part& part) {
 
 void add_part(tinygltf::Model& model, BufferWriter& writer, const Mesh& mesh, int part) {
   const PartVertices vertices = vertices_of(mesh, part);
+  if (vertices.indices.empty()) return;  // glTF has no primitives without vertices
   tinygltf::Primitive primitive;
   primitive.mode = TINYGLTF_MODE_TRIANGLES;
   primitive.material = static_cast<int>(model.materials.size());

@@ -3,10 +3,11 @@
 #include "scenes/mesh/mesh_io.h"
 
 #include <algorithm>
-#include <cctype>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <fstream>
 #include <map>
 #include <numbers>
 #include <set>
@@ -17,14 +18,13 @@
 
 #include "scenes/files/input_error.h"
 #include "scenes/mesh/mesh_soup.h"
+#include "scenes/mesh/mesh_text.h"
 
 namespace sightline {
 namespace {
 
 constexpr double kDefaultCreaseAngleRad = 45 * std::numbers::pi / 180;
 constexpr std::uintmax_t kMaxFileBytes = std::uintmax_t{1} << 30;
-constexpr double kSmallestUnitM = 1e-6;
-constexpr double kLargestUnitM = 1e6;
 constexpr double kWeldFraction = 1e-6;  // of the mesh's size: float files carry 1e-7
 
 Eigen::Vector3d axis_named(const std::string& name, const char* key,
@@ -200,9 +200,17 @@ void require_size(const MeshSoup& soup, const std::filesystem::path& file) {
 }
 
 bool is_gltf(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string extension = lower_extension(file);
   return extension == ".glb" || extension == ".gltf";
+}
+
+// Files that hold a mesh only for people are named for what they are.
+void require_mesh_format(const std::filesystem::path& file) {
+  std::array<char, 4096> bytes{};
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(bytes.data(), bytes.size());
+  const std::string what = why_no_mesh(file, {bytes.data(), static_cast<size_t>(stream.gcount())});
+  if (!what.empty()) throw InputError(fmt::format("{}: is {}", file.string(), what));
 }
 
 // Returns its size. What a path names is known before it is opened: a pipe would wait for ever.
@@ -241,12 +249,14 @@ double unit_named(const std::string& unit) {
 LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::path& file) {
   const Eigen::Matrix3d target_from_file = target_from_file_rotation(frame, file);
   require_size(soup, file);
-  transform(soup, target_from_file, frame.unit_m);
+  // A unit that is given stands in the place of what the file says; the metre is no word of anyone.
+  transform(soup, target_from_file, frame.unit_m == 1 ? soup.unit_m : frame.unit_m);
   LoadedMesh loaded = weld(soup);
   for (Texture& texture : soup.textures) {
     loaded.mesh.textures.push_back(std::make_shared<const Texture>(std::move(texture)));
   }
   loaded.mesh.lost_textures = std::move(soup.lost_textures);
+  loaded.mesh.notes = std::move(soup.notes);
   if (loaded.mesh.triangles.empty()) {
     throw InputError(fmt::format("{}: all its triangles are degenerate", file.string()));
   }
@@ -257,6 +267,7 @@ LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::p
 LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame) {
   target_from_file_rotation(frame, file);  // a wrong frame is known before the file is read
   const ReaderLimits limits = limits_for(require_file(file));
+  require_mesh_format(file);
   return clean(read_in_child(file, is_gltf(file) ? read_gltf : read_with_assimp, limits), frame,
                file);
 }

@@ -79,6 +79,7 @@ void append(std::string& bytes, const Material& material) {
 
 bool has_surface(const MeshSoup& soup) {
   return soup.has_coats || !soup.textures.empty() || !soup.lost_textures.empty() ||
+         !soup.notes.empty() || soup.unit_m != 1 ||
          std::any_of(soup.parts.begin(), soup.parts.end(),
                      [](const Part& part) { return part.material.has_value(); });
 }
@@ -87,6 +88,8 @@ void append_surface(std::string& bytes, const MeshSoup& soup) {
   bytes += kSurfaceMagic;
   append(bytes, static_cast<uint32_t>(soup.textures.size()));
   append(bytes, static_cast<uint32_t>(soup.lost_textures.size()));
+  append(bytes, static_cast<uint32_t>(soup.notes.size()));
+  append(bytes, soup.unit_m);
   append(bytes, static_cast<uint8_t>(soup.has_coats));
   for (const Texture& texture : soup.textures) {
     append_text(bytes, texture.name);
@@ -96,6 +99,7 @@ void append_surface(std::string& bytes, const MeshSoup& soup) {
     bytes.append(reinterpret_cast<const char*>(texture.rgba.data()), texture.rgba.size());
   }
   for (const std::string& sentence : soup.lost_textures) append_text(bytes, sentence);
+  for (const std::string& note : soup.notes) append_text(bytes, note);
   for (const Part& part : soup.parts) {
     append(bytes, static_cast<uint8_t>(part.material.has_value()));
     if (part.material) append(bytes, *part.material);
@@ -191,12 +195,21 @@ class Decoder {
     take(kSurfaceMagic.size());
     const auto textures = number<uint32_t>();
     const auto sentences = number<uint32_t>();
+    const auto notes = number<uint32_t>();
+    soup.unit_m = number<double>();
+    if (!(soup.unit_m >= kSmallestUnitM && soup.unit_m <= kLargestUnitM)) {
+      fail(fmt::format("states a unit of {} m, must be from {} to {}", soup.unit_m, kSmallestUnitM,
+                       kLargestUnitM));
+    }
     soup.has_coats = number<uint8_t>() != 0;
-    if (textures > kMaxTextures || sentences > kMaxSentences) fail("its reader sent too much");
+    if (textures > kMaxTextures || std::max(sentences, notes) > kMaxSentences) {
+      fail("its reader sent too much");
+    }
     for (uint32_t i = 0; i < textures; ++i) soup.textures.push_back(texture());
     for (uint32_t i = 0; i < sentences; ++i) {
       soup.lost_textures.push_back(printable(text(), kMaxSentenceBytes));
     }
+    for (uint32_t i = 0; i < notes; ++i) soup.notes.push_back(printable(text(), kMaxSentenceBytes));
     for (Part& part : soup.parts) {
       if (number<uint8_t>() != 0) part.material = material(static_cast<int>(textures));
     }
@@ -296,16 +309,6 @@ class Decoder {
 };
 
 }  // namespace
-
-bool is_inside(const std::filesystem::path& folder, const std::filesystem::path& path) {
-  std::error_code error;
-  const auto within = std::filesystem::weakly_canonical(folder, error);
-  if (error) return false;
-  const auto real = std::filesystem::weakly_canonical(path, error);
-  if (error) return false;
-  const auto [rest, unused] = std::mismatch(within.begin(), within.end(), real.begin(), real.end());
-  return rest == within.end();
-}
 
 double luminance(double red, double green, double blue) {
   const double y = 0.2126 * red + 0.7152 * green + 0.0722 * blue;

@@ -28,25 +28,27 @@ struct MeshSoup {
   std::vector<SoupTriangle> triangles;
   std::vector<Part> parts;
   bool has_coats = false;
+  double unit_m = 1;  ///< metres in a unit, as far as the file says
   std::vector<Texture> textures = {};
   std::vector<std::string> lost_textures = {};  ///< as in a Mesh
+  std::vector<std::string> notes = {};          ///< alike
 };
 
 constexpr size_t kMaxTriangles = 2'000'000;  ///< a target, not a scan: some GB at the most
 constexpr size_t kMaxParts = 65535;          ///< ids of parts have 16 bits, 0 is background
+constexpr double kSmallestUnitM = 1e-6;
+constexpr double kLargestUnitM = 1e6;
 constexpr double kLargestCoordinate = 1e12;  ///< sizes and cells remain numbers that doubles hold
 
 /// The two readers; `read_mesh` chooses and runs them in a process of their own. Nothing outside
-/// the file's folder is opened. Both throw InputError with the library's own words.
+/// the file's folder is opened (see MeshFolder). Both throw InputError with the library's own
+/// words.
 MeshSoup read_gltf(const std::filesystem::path& file);
 MeshSoup read_with_assimp(const std::filesystem::path& file);
 
 /// The content of a .glb or .gltf (told apart by its first bytes); `file` names it in errors, and
 /// its folder is where its buffers may lie.
 MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& file);
-
-/// True when the path, links followed, lies in the folder or below it.
-bool is_inside(const std::filesystem::path& folder, const std::filesystem::path& path);
 
 /// Adds a triangle whose corners and normals are carried by `file_from_mesh`; a mirroring transform
 /// reverses the winding so that it stays counter-clockwise from outside.

@@ -90,7 +90,7 @@ Texture decode_texture(std::string_view bytes, int64_t pixels_left) {
 }
 
 TextureShelf::TextureShelf(MeshSoup& soup, const std::filesystem::path& mesh_file)
-    : soup_(soup), folder_(std::filesystem::absolute(mesh_file).parent_path()) {}
+    : soup_(soup), folder_(mesh_file) {}
 
 int TextureShelf::from_file(const std::string& named, bool is_srgb) {
   if (const auto known = known_.find({named, is_srgb}); known != known_.end()) {
@@ -100,10 +100,10 @@ int TextureShelf::from_file(const std::string& named, bool is_srgb) {
   std::replace(path.begin(), path.end(), '\\', '/');
   const std::filesystem::path given = path;
   // As it is named, else beside the mesh: a path of the machine where the mesh was made.
-  for (const std::filesystem::path& file : {folder_ / given, folder_ / given.filename()}) {
-    std::error_code none;
-    if (!std::filesystem::is_regular_file(file, none) || !is_inside(folder_, file)) continue;
-    if (const auto bytes = read_bytes(file)) return add(named, is_srgb, *bytes);
+  for (const std::filesystem::path& place : {given, given.filename()}) {
+    const auto file = folder_.find(place);
+    if (!file) continue;
+    if (const auto bytes = read_bytes(*file)) return add(named, is_srgb, *bytes);
   }
   return lose(named, "is missing");
 }

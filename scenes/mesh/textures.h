@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "scenes/mesh/mesh_folder.h"
 #include "scenes/mesh/mesh_soup.h"
 
 namespace sightline {
@@ -20,8 +21,8 @@ constexpr int64_t kMaxTexturePixels = int64_t{1} << 26;  ///< of all of a mesh's
 /// Linear light of a number that is encoded as IEC 61966-2-1 says, both from 0 to 1.
 double linear_from_srgb(double encoded);
 
-/// Decodes a picture of a format that textures have here (PNG, JPEG, BMP, WebP, TIFF), 8 or 16 bits, one
-/// to four channels. Its size is known from its header before anything is decoded. Throws
+/// Decodes a picture of a format that textures have here (PNG, JPEG, BMP, WebP, TIFF), 8 or 16
+/// bits, one to four channels. Its size is known from its header before anything is decoded. Throws
 /// InputError, whose text goes on after the texture's name ("is torn or damaged"), for one that is
 /// torn, larger than kMaxTextureSide or than `pixels_left`, or of another format.
 Texture decode_texture(std::string_view bytes, int64_t pixels_left);
@@ -43,7 +44,7 @@ class TextureShelf {
   int lose(const std::string& name, const std::string& reason);
 
   MeshSoup& soup_;
-  std::filesystem::path folder_;
+  MeshFolder folder_;
   std::map<std::pair<std::string, bool>, int> known_;
   int64_t pixels_left_ = kMaxTexturePixels;
 };

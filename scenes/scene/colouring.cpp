@@ -60,7 +60,7 @@ void require_textures(const TomlTable& file, const ColouringLaw& law, const std:
 }
 
 std::vector<std::string> surface_notes(const ColouringLaw& law, const Mesh& mesh) {
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = mesh.notes;
   if (law.draws_textures) {
     for (const std::string& lost : mesh.lost_textures) notes.push_back(lost + ": drawn without it");
   }

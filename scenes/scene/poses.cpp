@@ -14,8 +14,8 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180;
 
 // Keys of poses that are drawn.
-constexpr const char* kDrawnKeys[] = {"angle_deg", "attitude", "tilt_deg",
-                                      "lateral_m", "range_m",  "max_redraws"};
+constexpr const char* kDrawnKeys[] = {"angle_deg", "attitude", "tilt_deg",   "lateral_m",
+                                      "range_m",   "aim_m",    "max_redraws"};
 
 void read_fixed_poses(const std::vector<TomlTable>& fixed, PoseLaw& law) {
   for (const TomlTable& table : fixed) {
@@ -140,6 +140,14 @@ std::vector<Key> keys_of(PoseLaw& law) {
        "cam_from_target",
        false,
        "required without [[poses.fixed]]"},
+      {"poses",
+       "aim_m",
+       &law.aim_m,
+       {-1e9, 1e9},
+       "m",
+       "the point of the target that lateral_m and range_m place, in its own axes",
+       {},
+       "cam_from_target"},
   };
 }
 
@@ -165,6 +173,7 @@ PoseLaw read_poses(const TomlTable& table) {
   if (table.has("lateral_jitter_m")) table.fail("lateral_jitter_m", "belongs to [[poses.fixed]]");
   read_attitude(table, keys, law);
   read_position_ranges(table, law);
+  read_key(table, find_key(keys, "aim_m"));
   return law;
 }
 
@@ -193,6 +202,7 @@ Pose drawn_pose(const PoseLaw& law, RandomStream& stream) {
   pose.translation.x() = law.drawn_lateral_m.draw(stream);
   pose.translation.y() = law.drawn_lateral_m.draw(stream);
   pose.translation.z() = law.drawn_range_m.draw(stream);
+  if (!law.aim_m.isZero(0)) pose.translation -= pose.rotation * law.aim_m;
   return pose;
 }
 

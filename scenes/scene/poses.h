@@ -31,8 +31,9 @@ struct PoseLaw {
   /// Of a uniform attitude: the angle between the target's z axis and the camera's, where given.
   std::optional<Range> tilt_deg;
   Range drawn_angle_deg;  ///< each of the three angles
-  Range drawn_lateral_m;  ///< x and y of the target's origin
-  Range drawn_range_m;    ///< z of the target's origin
+  Range drawn_lateral_m;  ///< x and y of the point that is aimed at
+  Range drawn_range_m;    ///< z of the point that is aimed at
+  Eigen::Vector3d aim_m = Eigen::Vector3d::Zero();  ///< that point, in the target's frame
   int max_redraws = 100;  ///< of a drawn pose with a feature outside the image
 };
 

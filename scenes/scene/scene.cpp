@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/scene/scene.h"
 
-#include <algorithm>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -10,25 +10,42 @@
 namespace sightline {
 namespace {
 
-// False where a vertex of the target is at or behind the camera's plane.
-bool is_in_front(const Target& target, const Pose& cam_from_target) {
-  return std::all_of(
-      target.mesh.vertices.begin(), target.mesh.vertices.end(),
-      [&](const Eigen::Vector3d& vertex) { return (cam_from_target * vertex).z() > 0; });
+// Where the sides of a triangle leave the camera's front. Just before the plane they are so far
+// from the image's middle that the lens means nothing.
+void extend_by_crossings(const Scene& scene, const Triangle& triangle, Eigen::AlignedBox2d& box) {
+  constexpr double kJustBefore = 1e-6;  // of the depth of the end in front
+  const Camera& camera = scene.camera;
+  for (int i = 0; i < 3; ++i) {
+    Eigen::Vector3d front = scene.cam_from_target * scene.target->mesh.vertices[triangle.vertex[i]];
+    Eigen::Vector3d behind =
+        scene.cam_from_target * scene.target->mesh.vertices[triangle.vertex[(i + 1) % 3]];
+    if (front.z() < behind.z()) std::swap(front, behind);
+    if (!(front.z() > 0) || behind.z() > 0) continue;
+    const double t = (1 - kJustBefore) * front.z() / (front.z() - behind.z());
+    const Eigen::Vector3d x = front + t * (behind - front);
+    box.extend(Eigen::Vector2d(camera.fx_px * x.x() / x.z() + camera.cx_px,
+                               camera.fy_px * x.y() / x.z() + camera.cy_px));
+  }
 }
 
 }  // namespace
 
 std::string why_not_imageable(const Scene& scene) {
-  for (const OtherBody& other : scene.others) {
-    if (is_in_front(*other.target, other.cam_from_target)) continue;
-    return fmt::format("{} is behind the camera or reaches behind it", other.target->name);
-  }
   Eigen::AlignedBox2d pixels;
-  for (const Eigen::Vector3d& vertex : scene.target->mesh.vertices) {
+  bool is_crossing = false;
+  const Mesh& mesh = scene.target->mesh;
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
     const auto pixel = project(scene.camera, scene.cam_from_target * vertex);
-    if (!pixel) return "the target is behind the camera or reaches behind it";
-    pixels.extend(*pixel);
+    if (pixel) {
+      pixels.extend(*pixel);
+    } else {
+      is_crossing = true;
+    }
+  }
+  if (pixels.isEmpty()) return "the target is behind the camera";
+  if (is_crossing && mesh.triangles.empty()) return "a keypoint of the target is behind the camera";
+  if (is_crossing) {
+    for (const Triangle& triangle : mesh.triangles) extend_by_crossings(scene, triangle, pixels);
   }
   const bool is_outside = pixels.max().x() < -0.5 || pixels.max().y() < -0.5 ||
                           pixels.min().x() > scene.camera.width_px - 0.5 ||

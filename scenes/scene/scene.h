@@ -35,8 +35,9 @@ struct Scene {
   int samples_per_pixel = kSamplesPerPixel;  ///< one of kSampleCounts; see the renderer
 };
 
-/// Why a scene cannot be imaged, in words for the user (a body reaches behind the camera, or the
-/// main target's projected box lies outside the image); empty when it can.
+/// Why a scene cannot be imaged, in words for the user (the main target lies behind the camera, or
+/// the projected box of what of it is in front lies outside the image); empty when it can. Bodies
+/// that reach behind the camera are seen as far as they are in front.
 std::string why_not_imageable(const Scene& scene);
 
 }  // namespace sightline

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <regex>
 #include <string>
 #include <utility>
 
@@ -32,6 +33,7 @@ constexpr double kFullAngleDeg = 40;     // between projected edges: wider is wo
 constexpr double kLeastAngleDeg = 12;    // narrower is worth nothing
 constexpr double kInnerEdgeWorth = 0.3;  // of an edge before other surfaces, against outline's 1
 constexpr double kOutlineShift = 0.004;  // of the size: how far beside an edge its background is
+constexpr double kLeastRest = 0.5;       // of the least length: an edge's, beyond where lines cross
 constexpr int kSamplesPerEdge = 3;
 constexpr int kLeastSamplesInSight = 2;
 
@@ -219,7 +221,8 @@ std::vector<StraightEdge> straight_edges(const Mesh& mesh, double size_m,
     cut(mesh, chain, 0, chain.vertices.size() - 1, options.straightness * size_m, edges);
   }
   std::erase_if(edges, [&](const StraightEdge& edge) {
-    return edge.length_m() < options.min_length * size_m;
+    return edge.length_m() < options.min_length * size_m ||
+           is_moving_part(mesh.parts[edge.part].name);
   });
   std::stable_sort(edges.begin(), edges.end(), [](const StraightEdge& a, const StraightEdge& b) {
     return a.length_m() > b.length_m();
@@ -257,6 +260,11 @@ void add_candidate(const StraightEdge& a, int end_a, const StraightEdge& b, int 
                      std::max(std::abs(on_a), std::abs(on_b)) <= options.max_gap * size_m;
   if (!meets) return;
   const Vector3d position = (point_a + point_b) / 2;
+  // Where the lines cross within an edge, what is left of it must still be one.
+  const Vector3d rest_a = a.end[1 - end_a] - position;
+  const Vector3d rest_b = b.end[1 - end_b] - position;
+  const double least_m = kLeastRest * options.min_length * size_m;
+  if (std::min(rest_a.dot(along_a), rest_b.dot(along_b)) < least_m) return;
   const double off_m = occluder.distance_m(position);
   if (off_m > options.max_gap * size_m) return;
 
@@ -417,6 +425,13 @@ std::string as_word(const std::string& name) {
 }
 
 }  // namespace
+
+bool is_moving_part(const std::string& name) {
+  static const std::regex kMoving(
+      "(.*_)?((prop|propeller|rotor|fan)(disc|disk|blur|blade)?|disc|disk|blur|blade)s?[0-9]*(_.*)"
+      "?");
+  return std::regex_match(as_word(name), kMoving);
+}
 
 std::vector<FeatureProposal> propose_features(const Mesh& mesh, const Occluder& occluder,
                                               const ProposalOptions& options) {

@@ -25,6 +25,10 @@ struct ProposalOptions {
   int views = 200;                     ///< spread evenly over the sphere
 };
 
+/// True of a part whose name says that it turns or is drawn as a blur (propeller, rotor, fan,
+/// disc): nothing on it stays where it is.
+bool is_moving_part(const std::string& name);
+
 /// A feature that the mesh itself suggests.
 struct FeatureProposal {
   TargetFeature feature;        ///< a line intersection, named <part>_<n>

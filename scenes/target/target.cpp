@@ -18,6 +18,7 @@ namespace sightline {
 namespace {
 
 constexpr double kOnFeatureM = 1e-4;       // an edge must begin at its feature to this
+constexpr double kLeastEdgeM = 1e-9;       // less is no length
 constexpr double kOffMeshFraction = 0.01;  // of the size: a virtual corner of rounded edges
 
 MeshFrame read_frame(const TomlTable& table) {
@@ -47,7 +48,7 @@ void check_edges(const TomlTable& table, const TargetFeature& feature) {
       table.fail("edges_m",
                  fmt::format("of \"{}\": edge {} must begin at position_m", feature.name, i));
     }
-    if ((edge.end_m - edge.begin_m).norm() < kOnFeatureM) {
+    if ((edge.end_m - edge.begin_m).norm() < kLeastEdgeM) {
       table.fail("edges_m", fmt::format("of \"{}\": edge {} has no length", feature.name, i));
     }
     const Eigen::Vector3d direction = (edge.end_m - edge.begin_m).normalized();
@@ -130,6 +131,28 @@ void check_parts(const TomlTable& table, const Mesh& mesh) {
   }
 }
 
+// Leaves out of a mesh what is hidden, and lets its notes say how it was taken.
+void take_mesh(const MeshUse& use, bool is_mesh_file, const std::filesystem::path& file,
+               Mesh& mesh) {
+  hide_parts(use.hidden, file, mesh);
+  const std::string note = taken_note(use, is_mesh_file);
+  if (!note.empty()) mesh.notes.push_back(note);
+}
+
+// Far from its origin nothing is known to single precision, which models and pictures have, and no
+// turn of a millionth of a radian leaves a mesh where it is: it gets an origin of its own.
+void take_near_origin(Mesh& mesh) {
+  constexpr double kFar = 1000;  // diagonals of its box
+  const Bounds box = bounds(mesh);
+  const Eigen::Vector3d middle = middle_m(mesh);
+  if (middle.norm() <= kFar * (box.max_m - box.min_m).norm()) return;
+  for (Eigen::Vector3d& vertex : mesh.vertices) vertex -= middle;
+  mesh.notes.push_back(
+      fmt::format("its coordinates lie {:.0f} m from their origin; the target's origin is their "
+                  "middle, [{:.3f}, {:.3f}, {:.3f}] m",
+                  middle.norm(), middle.x(), middle.y(), middle.z()));
+}
+
 std::shared_ptr<const Target> make_target(std::string name, std::string description,
                                           LoadedMesh loaded, std::vector<TargetFeature> features) {
   Occluder occluder(loaded.mesh);
@@ -190,10 +213,19 @@ std::shared_ptr<const Target> decimated(const std::shared_ptr<const Target>& tar
                      {decimated(target->mesh, kept_fraction), target->cleaning}, target->features);
 }
 
-std::shared_ptr<const Target> load_target(const std::string& name_or_path, const MeshFrame& frame) {
+std::shared_ptr<const Target> load_target(const std::string& name_or_path, const MeshUse& use) {
   const std::filesystem::path file = find_target_file(name_or_path);
   if (file.extension() != ".toml") {
-    return make_target(file.stem(), "", read_mesh(file, frame), {});
+    LoadedMesh loaded = read_mesh(file, frame_of(use));
+    take_mesh(use, true, file, loaded.mesh);
+    take_near_origin(loaded.mesh);
+    return make_target(file.stem(), "", std::move(loaded), {});
+  }
+  if (use.says_frame()) {
+    throw InputError(fmt::format(
+        "{}: a unit and axes (--unit, --forward, --up) are for mesh files; a target says itself "
+        "how its mesh lies",
+        name_or_path));
   }
   const TomlTable table = TomlTable::read_file(file);
   const std::string name = table.text("name");
@@ -209,6 +241,7 @@ std::shared_ptr<const Target> load_target(const std::string& name_or_path, const
   const MeshFrame mesh_frame = read_frame(mesh);
   table.reject_unknown_keys();
   LoadedMesh loaded = read_mesh(mesh_file, mesh_frame);
+  take_mesh(use, false, mesh_file, loaded.mesh);
   check_parts(table, loaded.mesh);
   const auto target = make_target(name, description, std::move(loaded), std::move(features));
   require_on_mesh(table, *target);

@@ -11,6 +11,7 @@
 #include "scenes/mesh/occluder.h"
 #include "scenes/target/facets.h"
 #include "scenes/target/feature_shape.h"
+#include "scenes/target/mesh_use.h"
 
 namespace sightline {
 
@@ -50,11 +51,12 @@ std::shared_ptr<const Target> decimated(const std::shared_ptr<const Target>& tar
                                         double kept_fraction);
 
 /// Loads a target by name, from a target.toml, or from any mesh file (which has no features;
-/// `frame` is how the mesh's axes lie, a target.toml says it itself). A target.toml without [mesh]
-/// is one of keypoints alone, whose features are corners unless they say otherwise. Throws
-/// InputError for whatever is missing, misspelt, out of range or unreadable, and for a feature
-/// farther off the mesh than its clearance and 1 % of the target's size.
-std::shared_ptr<const Target> load_target(const std::string& name_or_path,
-                                          const MeshFrame& frame = {});
+/// `use` says how its axes lie, which a target.toml says itself, and what of the mesh is left out).
+/// A mesh file that lies over 1000 times its size from its origin, as georeferenced ones do, is
+/// moved there by its middle, and its notes say so. A target.toml without [mesh] is one of
+/// keypoints alone, whose features are corners unless they say otherwise. Throws InputError for
+/// whatever is missing, misspelt, out of range or unreadable, and for a feature farther off the
+/// mesh than its clearance and 1 % of the target's size.
+std::shared_ptr<const Target> load_target(const std::string& name_or_path, const MeshUse& use = {});
 
 }  // namespace sightline

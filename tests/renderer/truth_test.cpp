@@ -172,6 +172,48 @@ TEST(Truth, ThroughALensToo) {
   }
 }
 
+// The bodies of a busy scene round a wide camera: some of each is in front, some behind.
+Scene scene_all_round(int index, const BrownConrady& lens) {
+  Scene scene = busy_scene(index, lens);
+  scene.camera.fx_px = scene.camera.fy_px = 120;
+  RandomStream stream(1, "all round", index);
+  const auto place = [&stream] {
+    return at(stream.uniform(-9, 9), stream.uniform(-9, 9), stream.uniform(-9, 9),
+              {stream.uniform(-3, 3), stream.uniform(-1, 1), 0});
+  };
+  scene.cam_from_target = place();
+  scene.others.pop_back();  // the nearer Boeing is 1330 m away
+  scene.others[0] = {load_target("cube"), at(1.2, 0.3, 0.2, {0.4, 0.5, 0.6}), true};
+  return scene;
+}
+
+int vertices_behind(const Target& target, const Pose& cam_from_target) {
+  const auto& vertices = target.mesh.vertices;
+  return static_cast<int>(std::count_if(
+      vertices.begin(), vertices.end(),
+      [&](const Eigen::Vector3d& vertex) { return (cam_from_target * vertex).z() < 0; }));
+}
+
+TEST(Truth, OfBodiesThatReachBehindTheCameraIsThatOfARayCaster) {
+  const BrownConrady lens{.k1 = -0.1, .k2 = 0.01, .p1 = 0.001, .p2 = 0, .k3 = 0};
+  int compared = 0;
+  for (int i = 0; i < 40 && compared < 4; ++i) {
+    const bool has_lens = compared >= 3;
+    const Scene scene = scene_all_round(i, has_lens ? lens : BrownConrady{});
+    if (vertices_behind(*scene.target, scene.cam_from_target) < 100) continue;
+    if (!why_not_imageable(scene).empty()) continue;
+    const int cube_behind = vertices_behind(*scene.others[0].target, at(1.2, 0.3, 0.2));
+    EXPECT_TRUE(cube_behind > 0 && cube_behind < 8) << cube_behind;
+    const Comparison result = compare(scene, frame_of(scene));
+    if (result.seen < 1500) continue;
+    ++compared;
+    EXPECT_LE(result.other_body, has_lens ? 4 : 0) << i;
+    EXPECT_LE(result.other_part, result.seen / 300) << i;
+    EXPECT_LT(result.depth_m, kDepthToleranceM) << i;
+  }
+  EXPECT_EQ(compared, 4);
+}
+
 TEST(Truth, APoseAMillimetreOffWouldBeSeen) {
   Scene scene = busy_scene(0);
   const Frame frame = frame_of(scene);

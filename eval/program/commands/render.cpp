@@ -12,6 +12,7 @@
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/verify.h"
 #include "eval/program/commands/commands.h"
+#include "eval/program/mesh_options.h"
 #include "eval/work/interrupt.h"
 #include "eval/work/processors.h"
 #include "eval/work/progress.h"
@@ -73,6 +74,9 @@ int run_render(RenderArguments& arguments) {
   arguments.request.has_full_truth = arguments.truth == "full";
   if (arguments.options.jobs == 0) {
     arguments.options.jobs = arguments.shard.empty() ? usable_processors() : 1;
+  }
+  for (std::string& setting : mesh_settings(arguments.request.mesh)) {
+    arguments.request.overrides.set.push_back(std::move(setting));
   }
   const SetPlan plan = plan_set(arguments.request);
   std::cerr << warnings_of(plan);
@@ -144,6 +148,7 @@ void add_render(CLI::App& app, int& exit_code) {
          },
          "refuse or grey: draw a mesh without the textures that are lost, and say so [refuse]")
       ->check(CLI::IsMember({"refuse", "grey"}));
+  add_mesh_options(*sub, request.mesh);
   const auto names = gl_choice_names();
   sub->add_option("--gl", request.gl, "Draw with OpenGL, to compare: auto, osmesa or egl")
       ->check(CLI::IsMember(std::vector<std::string>(names.begin(), names.end())))

@@ -5,8 +5,10 @@
 #include <string>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "eval/program/commands/commands.h"
+#include "eval/program/mesh_options.h"
 #include "eval/program/run_command.h"
 #include "eval/run/run.h"
 #include "eval/study/study_file.h"
@@ -23,6 +25,7 @@ constexpr int kPilotTrials = 100;  // a condition
 struct StudyArguments {
   std::string study;
   RunArguments run;
+  MeshUse mesh;
   double planned_width = 0;  // relative half-width of the means' intervals; 0: run the study
 };
 
@@ -40,10 +43,20 @@ int plan_command(const StudyArguments& arguments) {
   return 0;
 }
 
+// How the mesh was taken, and what of it is not drawn.
+void print_mesh_notes(const Study& study) {
+  const PoseStudy* const poses = study.pose_study();
+  if (poses == nullptr) return;
+  for (const std::string& note : poses->target->mesh.notes) {
+    std::cerr << fmt::format("note: {}: {}\n", poses->target->name, note);
+  }
+}
+
 int run_study_command(const StudyArguments& arguments, const std::string& command) {
   if (arguments.planned_width > 0) return plan_command(arguments);
   remember_interrupts();
   const Study study = read_study(arguments.study, overrides_of(arguments.run));
+  print_mesh_notes(study);
   return run_command(study, arguments.run, results_folder(study.name, arguments.run), command);
 }
 
@@ -71,6 +84,7 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
   sub->add_option("--set", arguments->run.overrides.set,
                   "key=value over the study's file, for example noise.scale=2; may be repeated")
       ->allow_extra_args(false);
+  add_mesh_options(*sub, arguments->mesh);
   add_guest_options(*sub, arguments->run.guests);
   add_run_options(*sub, out, arguments->run);
   add_gl(*sub, arguments->run.gl);
@@ -79,8 +93,12 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
                   "+- this part of them (0.05: 5 %), from a pilot of --trials [100] each")
       ->check(CLI::Range(1e-6, 1.0))
       ->excludes(out);
-  sub->callback(
-      [arguments, command, &exit_code] { exit_code = run_study_command(*arguments, command); });
+  sub->callback([arguments, command, &exit_code] {
+    for (std::string& setting : mesh_settings(arguments->mesh)) {
+      arguments->run.overrides.set.push_back(std::move(setting));
+    }
+    exit_code = run_study_command(*arguments, command);
+  });
 }
 
 }  // namespace sightline

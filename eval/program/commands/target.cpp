@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "eval/program/commands/commands.h"
+#include "eval/program/mesh_options.h"
 #include "eval/target/target_report.h"
 
 namespace sightline {
@@ -16,11 +17,7 @@ void add_target(CLI::App& app) {
       "target", "Say what a mesh or a target holds: size, parts, closedness, edges, features");
   sub->add_option("target", arguments->target, "Name of a target, a target.toml or a mesh file")
       ->required();
-  sub->add_option("--forward", arguments->forward,
-                  "For a mesh file: its axis that points forward, x to -z [x]");
-  sub->add_option("--up", arguments->up, "For a mesh file: its axis that points up [-z]");
-  sub->add_option("--unit", arguments->unit,
-                  "For a mesh file: its unit, m, cm, mm, km, in, ft or metres as a number [m]");
+  add_mesh_options(*sub, arguments->mesh);
   sub->add_option("--picture", arguments->picture, "Also draw it into this .png");
   sub->add_option("--theta", arguments->theta_deg,
                   "Pitch, yaw and roll of the picture in degrees, comma-separated; 0,0,0 is the "
@@ -37,6 +34,13 @@ void add_target(CLI::App& app) {
       ->check(CLI::Range(1, 1000))
       ->needs(propose)
       ->capture_default_str();
+  CLI::Option* decimate =
+      sub->add_option("--decimate", arguments->kept_percent,
+                      "Also write the mesh with this percentage of its triangles, to --out")
+          ->check(CLI::Range(0.001, 100.0));
+  CLI::Option* out =
+      sub->add_option("--out", arguments->coarser, "The .glb of --decimate")->needs(decimate);
+  decimate->needs(out);
   sub->callback([arguments] { std::cout << report_target(*arguments); });
 }
 

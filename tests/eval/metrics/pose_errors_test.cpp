@@ -148,6 +148,21 @@ TEST(VertexErrors, AreThoseOfBopButThroughTheLens) {
   EXPECT_TRUE(std::isinf(vertex_errors(vertices_of(mesh), camera, behind, truth).mspd_px));
 }
 
+TEST(VertexErrors, OfABodyThatReachesBehindTheCameraAreOfWhatIsInFront) {
+  // Of a truth with one vertex 1 m before the camera and one behind, the first alone has a pixel.
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 1}, {0, 0, -1}};
+  const Pose truth;
+  const Pose estimated = shifted(truth, {0.002, 0, 0});
+  const Camera camera = centred_camera(640, 640, 500);
+  EXPECT_NEAR(vertex_errors(vertices_of(mesh), camera, estimated, truth).mspd_px, 1, kRounding);
+  const std::vector<Pose> itself(1);
+  EXPECT_NEAR(least_mspd_px(vertices_of(mesh), camera, estimated, truth, itself), 1, kRounding);
+  const Pose all_behind = shifted(truth, {0, 0, -2});
+  EXPECT_TRUE(std::isinf(vertex_errors(vertices_of(mesh), camera, all_behind, truth).mspd_px));
+  EXPECT_TRUE(std::isinf(vertex_errors(vertices_of(mesh), camera, truth, all_behind).mspd_px));
+}
+
 // ---- VSD
 
 // A plane at z = 0 that fills every image.

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/mesh/mesh_folder.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 

@@ -312,8 +312,11 @@ TEST_F(MeshZoo, AGltfReachesNothingOutsideItsFolder) {
     const auto file = folder_.write("inner/out.gltf", gltf(uri));
     EXPECT_NE(clean_error_of(file), "") << uri;
   }
+  // A link in the folder is followed, a linked folder is not.
   fs::create_symlink("../cube.bin", inner / "link.bin");
-  EXPECT_NE(clean_error_of(folder_.write("inner/link.gltf", gltf("link.bin"))), "");
+  EXPECT_EQ(mesh_error(folder_.write("inner/link.gltf", gltf("link.bin"))), "");
+  fs::create_directory_symlink("..", inner / "linked");
+  EXPECT_NE(clean_error_of(folder_.write("inner/linked.gltf", gltf("linked/cube.bin"))), "");
   ASSERT_EQ(mkfifo((inner / "pipe.bin").c_str(), 0600), 0);
   EXPECT_NE(clean_error_of(folder_.write("inner/pipe.gltf", gltf("pipe.bin"))), "");
   // The same buffer within the folder is read.

@@ -32,6 +32,25 @@ TEST(Poses, ATiltIsTheAngleBetweenTheZAxes) {
   EXPECT_LT(sum.head<2>().norm(), 0.1 * 0.5 * std::sqrt(2));
 }
 
+TEST(Poses, TheyPlaceThePointThatIsAimedAt) {
+  const auto law_of = [](const std::string& aim) {
+    const TomlTable table = TomlTable::read_text(kCubeScene + "[light]\n", "scene.toml",
+                                                 std::vector<std::string>{"poses.aim_m=" + aim});
+    return read_scene_law(table, load_target("cube"), {});
+  };
+  const SceneLaw origin = law_of("[0, 0, 0]");
+  const SceneLaw aimed = law_of("[30, -20, 10]");
+  for (int i = 0; i < 20; ++i) {
+    RandomStream stream(7, "pose", i);
+    RandomStream again(7, "pose", i);
+    const Pose pose = drawn_pose(aimed.poses, stream);
+    const Pose of_origin = drawn_pose(origin.poses, again);
+    EXPECT_NEAR((pose * Eigen::Vector3d(30, -20, 10) - of_origin.translation).norm(), 0, 1e-12);
+    EXPECT_EQ(pose.rotation, of_origin.rotation);
+    EXPECT_GT((pose.translation - of_origin.translation).norm(), 30);
+  }
+}
+
 TEST(Poses, MistakesGetOneClearLine) {
   const std::string camera = "[camera]\nf_px = 300\n";
   const auto error = [&](const std::string& poses) {
@@ -44,6 +63,8 @@ TEST(Poses, MistakesGetOneClearLine) {
   EXPECT_THAT(error("lateral_m = [0, 0]\nrange_m = [3, 4]\n"), HasSubstr("angle_deg is missing"));
   EXPECT_THAT(error("fixed = [{theta_deg = [0, 0, 0], t_m = [0, 0, 9]}]\nrange_m = [3, 4]\n"),
               HasSubstr("cannot stand beside [[poses.fixed]]"));
+  EXPECT_THAT(error("fixed = [{theta_deg = [0, 0, 0], t_m = [0, 0, 9]}]\naim_m = [3, 4, 5]\n"),
+              HasSubstr("aim_m cannot stand beside [[poses.fixed]]"));
 }
 
 // What a paper found at a pose is a study's: a scene does not know the key.
