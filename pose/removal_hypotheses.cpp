@@ -8,6 +8,7 @@
 #include <numbers>
 #include <span>
 
+#include "pose/pose.h"
 #include "pose/reprojection.h"
 
 namespace sightline {
@@ -201,14 +202,6 @@ void add_smaller_sets(const OutlierModel& s, const PackedPoints& points, Lineari
 
 // From the hypotheses of all starts to an answer
 
-/// (w, dt) from one pose to another.
-Vector6d difference(const Pose& from, const Pose& to) {
-  Vector6d delta;
-  delta << vector_from_rotation(to.rotation * from.rotation.transpose()),
-      to.translation - from.translation;
-  return delta;
-}
-
 /// delta^T H delta, H by its upper triangle.
 double quadratic_form(const double (&hessian)[21], const Vector6d& delta) {
   double sum = 0;
@@ -301,7 +294,8 @@ std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBran
       const double weight = std::exp(h.log_weight - best.log_weight);
       const bool is_of_best_set = h.set == best.set;
       const bool is_best = &b == chosen && is_of_best_set;
-      const Vector6d delta = is_best ? Vector6d(Vector6d::Zero()) : difference(best.pose, h.pose);
+      const Vector6d delta =
+          is_best ? Vector6d(Vector6d::Zero()) : change_between(best.pose, h.pose);
       // Another start may lead to the same minimum: it counts once.
       if (&b != chosen && is_of_best_set && turn_rad(delta) < kCoarseStep) continue;
       total += weight;
@@ -320,7 +314,7 @@ std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBran
     if (!covariance) continue;
     answer.covariance += share * noise_variance(s, h) * *covariance;
     if (chosen->hypotheses.size() == 1) break;
-    const Vector6d off = difference(best.pose, h.pose) - mean;
+    const Vector6d off = change_between(best.pose, h.pose) - mean;
     answer.covariance += share * off * off.transpose();
   }
   if (chosen->hypotheses.size() > 1) answer.mean = retract(best.pose, mean);

@@ -156,7 +156,7 @@ void Screen::append_bent(const LensPoint& a, const LensPoint& b, const LensPoint
 
 // Four times what the canvas shows on either side, or what the lens may show of it.
 ViewPyramid Screen::pyramid(double near_m) const {
-  if (!camera_.distortion.is_zero()) return {near_m, min_normalised_, max_normalised_};
+  if (!is_straight(camera_)) return {near_m, min_normalised_, max_normalised_};
   constexpr double kAround = 4;
   const Eigen::Array2d focal(camera_.fx_px, camera_.fy_px);
   const Eigen::Array2d centre(camera_.cx_px, camera_.cy_px);
@@ -178,7 +178,7 @@ void Screen::append_cut(const std::array<Eigen::Vector3d, 3>& corners, double ne
     return through_lens(x.head<2>() / x.z(), nearness(x));
   };
   for (size_t i = 2; i < polygon.size(); ++i) {
-    if (camera_.distortion.is_zero()) {
+    if (is_straight(camera_)) {
       triangles.push_back(
           {{straight(polygon[0]), straight(polygon[i - 1]), straight(polygon[i])}, id});
     } else {

@@ -70,7 +70,7 @@ const Rooms kEvalRooms = {
 const Rooms kPythonRooms = {{"module", {}}};
 
 const Rooms kScenesRooms = {
-    {"builders", {"files", "mesh", "target"}},
+    {"builders", {"files", "mesh", "random", "target"}},
     {"camera", {"files"}},
     {"scene", {"camera", "files", "mesh", "picture", "random", "target"}},
     {"target", {"files", "mesh"}},

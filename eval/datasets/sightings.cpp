@@ -107,7 +107,10 @@ void require_any_in_image(const SightingSource& source, SightedSet& set,
     scene.cam_from_target = sighting.cam_from_target;
     if (looked_at >= kEnough && outside < looked_at) break;
     ++looked_at;
-    const std::string reason = why_not_imageable(scene);
+    // Lengths in another unit put the camera into the target, which can be drawn.
+    const bool is_within = box_of(*target).contains(inverse(sighting.cam_from_target).translation);
+    const std::string reason =
+        is_within ? "the camera stands within its box" : why_not_imageable(scene);
     if (reason.empty()) continue;
     ++outside;
     if (first_reason.empty()) first_reason = reason;

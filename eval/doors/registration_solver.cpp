@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "pose/pose.h"
 #include "registration/registration.h"
 
 namespace sightline {
@@ -21,10 +22,7 @@ std::optional<Pose> pose_of_features(const SolverQuestion& question, const PoseP
   const PoseEstimate estimate =
       find_pose_solver("orpe_weighed")->solve(question.problem, question.options);
   if (estimate.status != PoseStatus::kOk || !estimate.covariance) return std::nullopt;
-  Vector6d error;
-  error << vector_from_rotation(estimate.cam_from_target.rotation *
-                                prior.cam_from_target.rotation.transpose()),
-      estimate.cam_from_target.translation - prior.cam_from_target.translation;
+  const Vector6d error = change_between(prior.cam_from_target, estimate.cam_from_target);
   const Matrix6d spread = prior.covariance + *estimate.covariance;
   const bool is_near = error.dot(spread.ldlt().solve(error)) < kFarthest;
   return is_near ? std::optional(estimate.cam_from_target) : std::nullopt;

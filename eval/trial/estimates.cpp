@@ -11,6 +11,7 @@
 #include "eval/metrics/pose_errors.h"
 #include "pose/angles.h"
 #include "pose/attitude.h"
+#include "pose/pose.h"
 
 namespace sightline {
 namespace {
@@ -57,9 +58,7 @@ std::optional<Matrix6d> reported_covariance(const PoseProblem& problem,
 
 // Infinite where the covariance is none.
 double nees_of(const Pose& pose, const Pose& truth, const Matrix6d& covariance) {
-  Eigen::Matrix<double, 6, 1> error;
-  error << vector_from_rotation(pose.rotation * truth.rotation.transpose()),
-      pose.translation - truth.translation;
+  const Vector6d error = change_between(truth, pose);
   // To comparable units, for the sake of rounding.
   const Eigen::Matrix<double, 6, 1> scale = covariance.diagonal().cwiseSqrt();
   const Matrix6d correlation =

@@ -7,6 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "pose/pose.h"
+
 namespace sightline::consensus {
 namespace {
 
@@ -27,9 +29,7 @@ bool are_same(const Mode& a, const Mode& b) {
 }  // namespace
 
 double squared_distance(const Mode& mode, const Pose& pose) {
-  Vector6d step;
-  step << vector_from_rotation(pose.rotation * mode.cam_from_centred.rotation.transpose()),
-      pose.translation - mode.cam_from_centred.translation;
+  const Vector6d step = change_between(mode.cam_from_centred, pose);
   return step.dot(mode.information * step) / mode.variance;
 }
 

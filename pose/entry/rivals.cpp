@@ -14,6 +14,7 @@
 #include "pose/entry/cleaning.h"
 #include "pose/p3p.h"
 #include "pose/point_spread.h"
+#include "pose/pose.h"
 #include "pose/robust.h"
 
 namespace sightline::entry {
@@ -66,9 +67,7 @@ bool is_far(const WhitenedCorrespondences& c, const Minimum& here, const Pose& t
   const double variance = c.sigma > 0 ? c.sigma * c.sigma : squares / degrees;
   const std::optional<Matrix6d> information = inverse_information(here.unit_covariance);
   if (!information) return false;
-  Vector6d step;
-  step << vector_from_rotation(there.rotation * here.cam_from_centred.rotation.transpose()),
-      there.translation - here.cam_from_centred.translation;
+  const Vector6d step = change_between(here.cam_from_centred, there);
   return step.dot(*information * step) > kRivalDistance2 * variance;
 }
 

@@ -44,6 +44,7 @@
 #include "pose/consensus/score.h"
 #include "pose/consensus/search.h"
 #include "pose/p3p.h"
+#include "pose/pose.h"
 #include "pose/reprojection.h"
 #include "pose/robust.h"
 #include "pose/solvers/solvers.h"
@@ -64,13 +65,6 @@ struct Verdict {
   Answer answer;
   std::optional<Pose> second;  ///< cam_from_centred
 };
-
-Vector6d step_between(const Pose& from, const Pose& to) {
-  Vector6d step;
-  step << vector_from_rotation(to.rotation * from.rotation.transpose()),
-      to.translation - from.translation;
-  return step;
-}
 
 /// How far a pose is from the initial one.
 double distance_from_initial(const Pose& pose, const Pose& initial) {
@@ -109,7 +103,7 @@ std::optional<Verdict> judge(const Cloud& cloud, const consensus::ModeList& mode
   Answer* second = nullptr;
   for (Answer& other : answers) {
     const double share = std::exp(other.log_evidence - best->log_evidence) / total;
-    const Vector6d step = step_between(best->cam_from_centred, other.cam_from_centred);
+    const Vector6d step = change_between(best->cam_from_centred, other.cam_from_centred);
     if (&other == &*best || !(share > largest)) continue;
     if (!(step.dot(*information * step) > consensus::kFarDistance2)) continue;
     largest = share;

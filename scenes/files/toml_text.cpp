@@ -75,7 +75,7 @@ std::string plain_name(std::string_view text) {
     const bool is_plain = code < 0x80 && (std::isalnum(code) != 0 || c == '-' || c == '.');
     if (!is_plain) c = '_';
   }
-  if (out.empty() || out.front() == '.') out.insert(0, "_");
+  if (out.empty() || out.front() == '.') out.insert(out.begin(), '_');
   return out;
 }
 

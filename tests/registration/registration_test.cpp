@@ -46,10 +46,7 @@ RegistrationOptions options_of(const Scene& scene) {
 }
 
 Vector6d error_of(const Registration& found, const Pose& truth) {
-  Vector6d error;
-  error << vector_from_rotation(found.cam_from_target.rotation * truth.rotation.transpose()),
-      found.cam_from_target.translation - truth.translation;
-  return error;
+  return change_between(truth, found.cam_from_target);
 }
 
 // The error's squared size in its own covariance: chi-squared with six degrees of freedom.

@@ -238,7 +238,7 @@ TEST(Renderer, SaysWhyASceneCannotBeImaged) {
   Renderer renderer;
   EXPECT_THROW(renderer.render_linear(coverage_scene(build_cube().mesh, at(0, 0, -60))),
                InputError);
-  EXPECT_THROW(renderer.render_linear(coverage_scene(build_cube().mesh, at(0, 0, 0.2))),
+  EXPECT_THROW(renderer.render_linear(coverage_scene(build_cube().mesh, at(0, 0, -2))),
                InputError);
   EXPECT_THROW(renderer.render_linear(coverage_scene(build_cube().mesh, at(50, 0, 60))),
                InputError);

@@ -16,7 +16,7 @@
 namespace sightline {
 namespace {
 
-constexpr double kRounding = 2e-6;  // of single precision, over a few layers
+constexpr double kPaintRounding = 2e-6;  // of single precision, over a few layers
 
 struct Pane {
   double z_m;
@@ -57,7 +57,7 @@ cv::Vec3f middle_of(const Scene& scene) {
 }
 
 void expect_rgb(const cv::Vec3f& pixel, const Eigen::Array3d& rgb) {
-  for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel[2 - c], rgb[c], kRounding) << "channel " << c;
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(pixel[2 - c], rgb[c], kPaintRounding) << "channel " << c;
 }
 
 constexpr Pane kRed{-0.02, {1, 0, 0, 0.25}, AlphaMode::kBlend};

@@ -88,8 +88,8 @@ TEST_F(ForeignSpeed, OfTheFirstChallengeIsReadToo) {
 // Its principal point is not the picture's middle; some write focal lengths in pixels, matrices in
 // one row and other numbers of coefficients.
 TEST_F(ForeignSpeed, HasItsCameraInManyWays) {
-  const auto camera = [this](const std::string& json) {
-    folder_.write("camera.json", json);
+  const auto camera = [this](const std::string& text) {
+    folder_.write("camera.json", text);
     return read_sightings(source("synthetic", ""), cube_).sightings.front().camera;
   };
   const Camera stated = camera(

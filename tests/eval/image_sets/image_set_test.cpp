@@ -375,7 +375,7 @@ TEST_F(ImageSet, VerifyFindsWhatIsWrong) {
 TEST_F(ImageSet, AFullDiskOrAForbiddenFolderIsOneLine) {
   const Outcome full =
       run_shell(fmt::format("ulimit -f 1; {} render cube {} --count 3 --out {} --set "
-                            "camera.width_px=256 --set camera.height_px=256 --quiet",
+                            "camera.width_px=256 --set camera.height_px=256 --jobs 1 --quiet",
                             SIGHTLINE_PROGRAM, kQuick, path("full")));
   EXPECT_EQ(full.exit_code, 1);
   EXPECT_EQ(lines_of(full.output), 1u) << full.output;
