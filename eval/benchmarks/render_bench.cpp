@@ -152,6 +152,9 @@ void run_ours(benchmark::State& state, Scene scene, GlChoice gl) {
     state.SkipWithError(error.what());
     return;
   }
+  // A renderer prepares each texture once, which a set of images pays with its first.
+  renderer->render(scene, RandomStream(1, "sensor", 0));
+  const auto before = renderer->times();
   double encode_ms = 0;
   int64_t frame = 0;
   for (auto _ : state) {
@@ -162,10 +165,10 @@ void run_ours(benchmark::State& state, Scene scene, GlChoice gl) {
     benchmark::DoNotOptimize(encode(picture, drawn.depth_m, drawn.body_ids));
     encode_ms += milliseconds_since(begin);
   }
-  state.counters["draw_ms"] = per_frame(renderer->times().draw_ms);
-  state.counters["readback_ms"] = per_frame(renderer->times().readback_ms);
-  state.counters["resolve_ms"] = per_frame(renderer->times().resolve_ms);
-  state.counters["truth_ms"] = per_frame(renderer->times().truth_ms);
+  state.counters["draw_ms"] = per_frame(renderer->times().draw_ms - before.draw_ms);
+  state.counters["readback_ms"] = per_frame(renderer->times().readback_ms - before.readback_ms);
+  state.counters["resolve_ms"] = per_frame(renderer->times().resolve_ms - before.resolve_ms);
+  state.counters["truth_ms"] = per_frame(renderer->times().truth_ms - before.truth_ms);
   state.counters["encode_ms"] = per_frame(encode_ms);
   state.counters["resident_mb"] = resident_mb();
 }
