@@ -26,6 +26,8 @@ Matrix6d root_of(Matrix6d covariance) {
   return covariance.llt().matrixL();
 }
 
+constexpr double kSharpBlurPx = 0.8;  // of the image, to find its slopes
+
 struct Candidate {
   double support = 0;
   Pose pose;
@@ -39,7 +41,7 @@ struct Round {
   size_t kept;
 };
 constexpr std::array<Round, 3> kRounds = {
-    {{2.5, 300, 1, 8}, {1.5, 25, 0.35, 4}, {0.8, 40, 0.12, 5}}};
+    {{2.5, 300, 1, 8}, {1.5, 25, 0.35, 4}, {kSharpBlurPx, 40, 0.12, 5}}};
 
 class Search {
  public:
@@ -100,9 +102,12 @@ class EdgeFitter {
   std::vector<EdgePoint> points_at(const Pose& pose) {
     BasisOptions options;
     options.margin_px = 2;
+    ++drawings_;
     const auto images = drawer_.draw(pose, options);
     return images ? edge_points(*images, camera_, pose) : std::vector<EdgePoint>{};
   }
+
+  int drawings() const { return drawings_; }
 
   EdgeFit fit(const Pose& start) {
     constexpr int kDrawings = 3, kSteps = 5;
@@ -124,7 +129,6 @@ class EdgeFitter {
   }
 
  private:
-  static constexpr double kSharpBlurPx = 0.8;
   static constexpr double kSpacingPx = 0.5;  // of the places where the image is asked
 
   // The image's edge beside a point of the mesh's.
@@ -190,14 +194,13 @@ class EdgeFitter {
 
   std::vector<Found> edges_near(const std::vector<EdgePoint>& points, const Pose& pose,
                                 double reach_px) const {
-    constexpr double kHalfGrey = 6;     // the slope that counts half
     constexpr double kEndWeight = 0.1;  // of an edge at the end of the reach
     constexpr double kCrease = 0.5;     // of a crease's: print lies beside it more often
     std::vector<Found> found;
     for (const EdgePoint& point : points) {
       auto edge = edge_near(point, pose, reach_px);
       if (!edge) continue;
-      edge->weight = edge->slope / (edge->slope + kHalfGrey) * (edge->is_at_end ? kEndWeight : 1) *
+      edge->weight = worth_of_slope(edge->slope) * (edge->is_at_end ? kEndWeight : 1) *
                      (point.is_outline ? 1 : kCrease);
       found.push_back(*edge);
     }
@@ -244,6 +247,7 @@ class EdgeFitter {
   BasisDrawer drawer_;
   const PosePrior& prior_;
   Matrix6d prior_information_;
+  int drawings_ = 0;
 };
 
 }  // namespace
@@ -258,6 +262,7 @@ std::optional<EdgeFit> fit_edges(const GreyImage& image, const Mesh& mesh, const
     const EdgeFit fit = fitter.fit(start);
     if (!best || fit.support > best->support) best = fit;
   }
+  if (best) best->drawings = fitter.drawings();
   return best;
 }
 

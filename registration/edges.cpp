@@ -29,6 +29,7 @@ struct Turning {
       cv::Mat by_x, by_y;
       cv::Sobel(field, by_x, CV_32F, 1, 0, 3, 1 / 8.0);
       cv::Sobel(field, by_y, CV_32F, 0, 1, 3, 1 / 8.0);
+      if (outline.empty()) cv::magnitude(by_x, by_y, outline);  // the coverage comes first
       xx += by_x.mul(by_x);
       xy += by_x.mul(by_y);
       yy += by_y.mul(by_y);
@@ -63,7 +64,8 @@ struct Turning {
     return Eigen::Vector2d(x, y) + at * n;
   }
 
-  cv::Mat strength;   // CV_32F
+  cv::Mat outline;    // CV_32F, of the coverage alone
+  cv::Mat strength;   // CV_32F, of all
   cv::Mat angle_rad;  // CV_32F, of the direction across
 };
 
@@ -101,10 +103,6 @@ std::vector<EdgePoint> edge_points(const BasisImages& images, const Camera& came
   constexpr float kLeastTurning = 0.17F;
   constexpr float kLeastOutline = 0.2F;
   const Turning turning(images);
-  cv::Mat by_x, by_y, outline;
-  cv::Sobel(images.coverage, by_x, CV_32F, 1, 0, 3, 1 / 8.0);
-  cv::Sobel(images.coverage, by_y, CV_32F, 0, 1, 3, 1 / 8.0);
-  cv::magnitude(by_x, by_y, outline);
   const Pose target_from_cam = inverse(cam_from_target);
   std::vector<EdgePoint> points;
   for (int y = 1; y + 1 < images.box.height; ++y) {
@@ -117,7 +115,7 @@ std::vector<EdgePoint> edge_points(const BasisImages& images, const Camera& came
       const auto ray = normalised_from_pixel(camera, pixel);
       if (!ray) continue;
       points.push_back({target_from_cam * (depth_m * ray->homogeneous()), turning.normal(x, y),
-                        outline.at<float>(y, x) > kLeastOutline});
+                        turning.outline.at<float>(y, x) > kLeastOutline});
     }
   }
   return points;
@@ -141,14 +139,18 @@ double top_of_parabola(double before, double middle, double after) {
   return curvature < 0 ? 0.5 * (before - after) / curvature : 0;
 }
 
+double worth_of_slope(double slope) {
+  constexpr double kHalfGrey = 6;
+  return slope / (slope + kHalfGrey);
+}
+
 double edge_support(const EdgeImage& image, const Camera& camera,
                     const std::vector<EdgePoint>& points, const Pose& cam_from_target) {
-  constexpr double kHalfGrey = 6;  // the slope that counts half
   double sum = 0;
   for (const EdgePoint& point : points) {
     const auto pixel = project(camera, cam_from_target * point.in_target_m);
     const auto slope = pixel ? slope_along(image, point.normal, *pixel) : std::nullopt;
-    if (slope) sum += *slope / (*slope + kHalfGrey);
+    if (slope) sum += worth_of_slope(*slope);
   }
   return points.empty() ? 0 : sum / static_cast<double>(points.size());
 }

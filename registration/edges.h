@@ -42,9 +42,12 @@ std::optional<double> slope_along(const EdgeImage& image, const Eigen::Vector2d&
 /// middle one the highest.
 double top_of_parabola(double before, double middle, double after);
 
-/// How well an image shows the edges where a pose puts them: the mean over the points of s / (s +
-/// 6), s the slope along the normal in grey levels a pixel, so that a few strong edges of a print
-/// do not outweigh a faint outline that fits everywhere. From 0 to 1; points outside count 0.
+/// What an edge of that slope, grey levels a pixel, is worth: slope / (slope + 6), from 0 to 1, so
+/// that a few strong edges of a print do not outweigh a faint outline that fits everywhere.
+double worth_of_slope(double slope);
+
+/// How well an image shows the edges where a pose puts them: the mean worth of the slopes along the
+/// points' normals. Points outside the image are worth 0.
 double edge_support(const EdgeImage& image, const Camera& camera,
                     const std::vector<EdgePoint>& points, const Pose& cam_from_target);
 

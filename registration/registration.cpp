@@ -27,12 +27,6 @@ constexpr double kTightSd = 3, kLooseSd = 40;
 // agree on a wrong pose, and grey levels do not tell which is better: edges are asked.
 constexpr double kAlienClusterFactor = 5;
 constexpr double kAlienLost = 0.02;
-// How far an outline must stand out at a pose to be believed there: at the right poses of four
-// photographs of two printed cubes it does 3.7 to 6.3 times, of a finely printed brick that is
-// rendered 2.8 times, at poses that are wrong along most of the outline 0.8 to 2.2 times. One that
-// is wrong along a part of it is for the support to tell.
-constexpr double kLeastOutlineContrast = 2.5;
-
 bool looks_like_model(const Registration& fit) {
   return fit.is_ok() && fit.cluster_factor <= kMostClusterFactor && fit.lost <= kMostLost;
 }
@@ -118,12 +112,13 @@ class Trials {
   // levels, which is the finer one, or their own pose is the answer.
   Registration result(const RegistrationTask& task, const EdgeFit& edges) const {
     Registration out = counted();
+    out.drawings += edges.drawings;
     if (!is_confirmed_by(edges)) {
       out.cam_from_target = edges.cam_from_target;
       out.covariance = edges.covariance;
       out.status = RegistrationStatus::kOk;
     }
-    if (edges.contrast < kLeastOutlineContrast) {
+    if (!edges.is_believable()) {
       distrust("the image does not look like the model, nor has it an outline there", out);
     }
     return judged(out, task);

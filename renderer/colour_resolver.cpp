@@ -42,7 +42,8 @@ std::unique_ptr<const ShadowMap> shadow_on(const std::vector<PlacedBody>& bodies
                                            const Scene& scene) {
   if (!scene.light.casts_shadow) return nullptr;
   const double px_per_m =
-      std::max(scene.camera.fx_px, scene.camera.fy_px) / bodies[body].cam_from_body.translation.z();
+      std::max(scene.camera.fx_px, scene.camera.fy_px) /
+      reference_depth_m(*bodies[body].mesh, bodies[body].cam_from_body);
   return std::make_unique<ShadowMap>(bodies, body, scene.light.to_light_in_cam,
                                      kShadowTexelPx / px_per_m);
 }

@@ -101,10 +101,10 @@ const std::map<std::string, std::string> kCatalogues = {
 };
 
 // Libraries that are slow to compile or tied to a platform: only .cpp files may name them.
-const std::vector<std::string> kHeavy = {"osmesa.h", "assimp/",  "CGAL/",     "tiny_gltf", "SQLite",
-                                         "toml++",   "mustache", "Random123", "pugixml",
-                                         "png.h",    "tiffio",   "turbojpeg", "webp/",  "stb/",
-                                         "draco/",   "meshoptimizer"};
+const std::vector<std::string> kHeavy = {
+    "osmesa.h", "assimp/",   "CGAL/",   "tiny_gltf",     "SQLite",  "toml++",
+    "mustache", "Random123", "pugixml", "png.h",         "tiffio",  "turbojpeg",
+    "webp/",    "stb/",      "draco/",  "meshoptimizer", "yaml-cpp"};
 
 struct Include {
   fs::path file;

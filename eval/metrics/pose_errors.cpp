@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <type_traits>
 #include <vector>
 
 #include <CGAL/Orthogonal_k_neighbor_search.h>
@@ -131,9 +130,7 @@ double least_greatest_px(const Vertices& vertices, const Projection& projection,
   double least = kInfinity;
   for (const Pose& symmetry : symmetries) {
     const Eigen::Matrix2Xd alike = pixels_of(moved(vertices, truth * symmetry), projection);
-    const double greatest = std::is_same_v<Projection, Camera> ? greatest_distance_px(there, alike)
-                                                               : greatest_distance(there, alike);
-    least = std::min(least, greatest);
+    least = std::min(least, greatest_distance_px(there, alike));
   }
   return least;
 }

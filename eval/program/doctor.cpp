@@ -150,6 +150,8 @@ std::string library_licences() {
       {"stb_image", "libstb-dev", "MIT"},
       {"tinygltf", "libtinygltf-dev", "MIT"},
       {"toml++", "libtomlplusplus-dev", "MIT"},
+      {"yaml-cpp", "libyaml-cpp-dev", "MIT"},
+      {"zlib", "zlib1g-dev", "Zlib"},
   };
   std::string text = fmt::format(
       "sightline {}: GPL-3.0-or-later; pose/ alone: Apache-2.0\n"

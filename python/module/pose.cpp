@@ -16,6 +16,7 @@
 #include "pose/absolute_orientation.h"
 #include "pose/consensus/cloud.h"
 #include "pose/entry/all_poses.h"
+#include "pose/lenses/catalogue.h"
 #include "pose/solver.h"
 #include "python/module/arrays.h"
 #include "python/module/bindings.h"
@@ -146,6 +147,14 @@ Doubles project_all(const py::tuple& camera, const Doubles& points_in_cam) {
   return rows_of(pixels);
 }
 
+py::dict lens_coefficient_counts() {
+  py::dict counts;
+  for (const LensModel& model : lens_models()) {
+    counts[model.name.c_str()] = py::tuple(py::cast(model.counts));
+  }
+  return counts;
+}
+
 py::tuple read_camera_numbers(const std::string& file) {
   return numbers_of(read_camera_file(file));
 }
@@ -177,6 +186,7 @@ py::tuple tuple_of(const PoseEstimate& estimate) {
 
 void bind_pose(py::module_& module) {
   module.def("read_camera", &read_camera_numbers);
+  module.def("lens_coefficient_counts", &lens_coefficient_counts);
   module.def("solve", &solve_problem);
   module.def("solve_all", &solve_all_poses);
   module.def("align", &align_points);

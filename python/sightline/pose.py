@@ -17,7 +17,7 @@ from sightline._sightline import InputError
 _MOST_PIXELS = 1_000_000  # a side
 
 # How many coefficients a lens may have, by its model; those that are not given are 0.
-_COEFFICIENTS = {"brown_conrady": (4, 5), "rational": (8, 12), "fisheye": (4,)}
+_COEFFICIENTS: dict[str, tuple[int, ...]] = _sightline.lens_coefficient_counts()
 
 
 @dataclasses.dataclass(frozen=True)

@@ -1,14 +1,12 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Kalibr's camchains are of the part of YAML that has a map of maps of words and lists of numbers;
-// of the lists within lists nothing is needed here.
 #include <algorithm>
-#include <map>
-#include <sstream>
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
 
 #include "pose/lenses/catalogue.h"
 #include "scenes/camera/calibration_formats.h"
@@ -20,68 +18,50 @@ namespace {
 
 struct KalibrCamera {
   std::string name;
-  std::map<std::string, std::string> values;  // as they stand in the file
+  YAML::Node values;
 };
 
-std::string trimmed(const std::string& text) {
-  const size_t begin = text.find_first_not_of(" \t\r");
-  if (begin == std::string::npos) return {};
-  return text.substr(begin, text.find_last_not_of(" \t\r") + 1 - begin);
-}
-
-// The file's maps. A list may go on over several lines, within its brackets or an element a line.
-std::vector<KalibrCamera> maps_of(const std::string& text) {
-  std::vector<KalibrCamera> maps;
-  std::string* value = nullptr;  // the last one
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) {
-    const std::string words = trimmed(line.substr(0, line.find('#')));
-    if (words.empty() || words.starts_with("%") || words == "---") continue;
-    const bool is_open = value != nullptr && value->starts_with("[") && !value->ends_with("]");
-    if (is_open || words.starts_with("-")) {
-      if (value != nullptr) *value += " " + (is_open ? words : words.substr(1));
-      continue;
-    }
-    const size_t colon = words.find(':');
-    if (colon == std::string::npos) continue;
-    const std::string key = trimmed(words.substr(0, colon));
-    if (line.front() != ' ') {
-      maps.push_back({key, {}});
-      value = nullptr;
-    } else if (!maps.empty()) {
-      value = &(maps.back().values[key] = trimmed(words.substr(colon + 1)));
-    }
-  }
-  return maps;
-}
-
+// The maps of a camchain that have a camera_model; empty where the text is no YAML, or another.
 std::vector<KalibrCamera> cameras_of(const std::string& text) {
-  std::vector<KalibrCamera> cameras = maps_of(text);
-  std::erase_if(cameras,
-                [](const KalibrCamera& map) { return !map.values.contains("camera_model"); });
+  // OpenCV's first line is none of YAML's; some give it to every calibration.
+  const bool has_opencv_line = text.starts_with("%YAML:");
+  std::vector<KalibrCamera> cameras;
+  try {
+    const YAML::Node root = YAML::Load(has_opencv_line ? text.substr(text.find('\n')) : text);
+    if (!root.IsMap()) return {};
+    for (const auto& entry : root) {
+      if (!entry.second.IsMap() || !entry.second["camera_model"]) continue;
+      cameras.push_back({entry.first.as<std::string>(), entry.second});
+    }
+  } catch (const YAML::Exception&) {
+    return {};
+  }
   return cameras;
 }
 
-std::string word_in(const KalibrCamera& camera, const char* key, const char* fallback) {
-  const auto found = camera.values.find(key);
-  return found == camera.values.end() ? fallback : found->second;
+// Empty where there is no word of that key, or something else.
+std::string word_in(const KalibrCamera& camera, const char* key) {
+  const YAML::Node value = camera.values[key];
+  return value && value.IsScalar() ? value.as<std::string>() : std::string();
 }
 
-// Empty where there is no list of numbers.
+// Empty where there is no list of finite numbers.
 std::vector<double> numbers_in(const KalibrCamera& camera, const char* key) {
-  std::string text = word_in(camera, key, "");
-  for (char& c : text) {
-    if (c == ',' || c == '[' || c == ']') c = ' ';
+  try {
+    const YAML::Node value = camera.values[key];
+    if (!value) return {};
+    const auto numbers = value.as<std::vector<double>>();
+    const bool is_finite =
+        std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+    return is_finite ? numbers : std::vector<double>();
+  } catch (const YAML::Exception&) {
+    return {};
   }
-  std::istringstream words(text);
-  std::vector<double> numbers;
-  for (double number = 0; words >> number;) numbers.push_back(number);
-  return words.eof() ? numbers : std::vector<double>();
 }
 
 Lens kalibr_lens(const KalibrCamera& camera) {
-  const std::string model = word_in(camera, "distortion_model", "none");
-  if (model == "none") return {};
+  const std::string model = word_in(camera, "distortion_model");
+  if (model == "none" || !camera.values["distortion_model"]) return {};
   if (model != "radtan" && model != "equidistant") {
     throw InputError(fmt::format("{}: distortion_model is {}, must be radtan, equidistant or none",
                                  camera.name, model));
@@ -96,7 +76,7 @@ Lens kalibr_lens(const KalibrCamera& camera) {
 }
 
 Camera camera_of(const KalibrCamera& stated) {
-  const std::string model = word_in(stated, "camera_model", "");
+  const std::string model = word_in(stated, "camera_model");
   if (model != "pinhole") {
     throw InputError(fmt::format("{}: camera_model is {}, must be pinhole", stated.name, model));
   }

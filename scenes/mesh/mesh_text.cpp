@@ -17,8 +17,7 @@ namespace {
 
 constexpr const char* kCadAdvice =
     "a CAD model of curved surfaces, no mesh; let a CAD program (FreeCAD: File, Export) write it "
-    "as "
-    ".glb, .stl or .obj";
+    "as .glb, .stl or .obj";
 constexpr const char* kUsdAdvice =
     "a USD scene, which is not read here; let Blender (File, Export, glTF) write it as .glb";
 constexpr const char* kRobotAdvice =

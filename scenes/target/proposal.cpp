@@ -8,7 +8,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <regex>
 #include <string>
 #include <utility>
 
@@ -427,10 +426,29 @@ std::string as_word(const std::string& name) {
 }  // namespace
 
 bool is_moving_part(const std::string& name) {
-  static const std::regex kMoving(
-      "(.*_)?((prop|propeller|rotor|fan)(disc|disk|blur|blade)?|disc|disk|blur|blade)s?[0-9]*(_.*)"
-      "?");
-  return std::regex_match(as_word(name), kMoving);
+  // A word of its name: what turns, what it looks like then, or both in one.
+  constexpr std::array<std::string_view, 4> kTurns = {"propeller", "prop", "rotor", "fan"};
+  constexpr std::array<std::string_view, 4> kLooks = {"disc", "disk", "blur", "blade"};
+  const auto is_moving_word = [&](std::string_view word) {
+    while (!word.empty() && std::isdigit(static_cast<unsigned char>(word.back()))) {
+      word.remove_suffix(1);
+    }
+    if (word.ends_with('s')) word.remove_suffix(1);
+    const bool looks = std::ranges::find(kLooks, word) != kLooks.end();
+    return looks || std::ranges::any_of(kTurns, [&](std::string_view turns) {
+             if (!word.starts_with(turns)) return false;
+             const std::string_view rest = word.substr(turns.size());
+             return rest.empty() || std::ranges::find(kLooks, rest) != kLooks.end();
+           });
+  };
+  const std::string words = as_word(name);
+  size_t begin = 0;
+  while (begin <= words.size()) {
+    const size_t end = std::min(words.find('_', begin), words.size());
+    if (is_moving_word(std::string_view(words).substr(begin, end - begin))) return true;
+    begin = end + 1;
+  }
+  return false;
 }
 
 std::vector<FeatureProposal> propose_features(const Mesh& mesh, const Occluder& occluder,

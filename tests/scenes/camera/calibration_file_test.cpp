@@ -130,6 +130,26 @@ TEST_F(CalibrationFile, KalibrHasItsCamerasByName) {
               HasSubstr("cam0: distortion_coeffs has 3 numbers, must have 4"));
 }
 
+TEST_F(CalibrationFile, KalibrMayWriteItsListsAsYamlAllows) {
+  const std::string text =
+      "cam0:\n  T_cam_imu:\n  - [0.1, 0.99, 0.0, 0.06]\n  - [0.0, 0.0, 0.0, 1.0]\n"
+      "  camera_model: pinhole\n  distortion_model: 'equidistant'  # a comment\n"
+      "  distortion_coeffs: [-0.01, 0.02,\n    0.003, -0.004]\n"
+      "  intrinsics:\n  - 461.6\n  - 460.2\n  - 362.6\n  - 246.2\n"
+      "  resolution: [752, 480]\n  rostopic: /cam0/image_raw\n";
+  const Camera camera = read("chain.yaml", text);
+  EXPECT_EQ(camera.cy_px, 246.2);
+  EXPECT_EQ(std::get<KannalaBrandt>(camera.lens).k4, -0.004);
+  EXPECT_EQ(read("chain.yaml", "%YAML:1.0\n---\n" + text).cy_px, 246.2);
+  const auto changed = [&text](const std::string& from, const std::string& to) {
+    return std::string(text).replace(text.find(from), from.size(), to);
+  };
+  EXPECT_THAT(error("chain.yaml", changed("461.6", ".inf")),
+              HasSubstr("cam0: intrinsics must be [fx, fy, cx, cy]"));
+  EXPECT_THAT(error("chain.yaml", changed("'equidistant'", "[1]")),
+              HasSubstr("cam0: distortion_model is , must be radtan, equidistant or none"));
+}
+
 TEST_F(CalibrationFile, ColmapHasItsCamerasByNumberAndItsPixelsAtHalves) {
   const Camera radial = read("cameras.txt", kColmap, "#1");
   EXPECT_EQ(radial.cx_px, 319.5);

@@ -141,6 +141,21 @@ TEST(Proposal, TheMeshsOwnEdgesLieWithinTheClearanceOfThoseProposed) {
   EXPECT_GT(without_clearance, 0) << "the edges are not as bent as they should be";
 }
 
+TEST(Proposal, PartsThatMoveSaySo) {
+  for (const char* name : {"Propeller", "prop.disc", "PropBlur2", "main rotor", "fan_blades",
+                           "left-propdisk", "Blur", "rotors"}) {
+    EXPECT_TRUE(is_moving_part(name)) << name;
+  }
+  for (const char* name :
+       {"wing", "propulsion", "fantail", "discovery", "fanfare_1", "", "s", "12"}) {
+    EXPECT_FALSE(is_moving_part(name)) << name;
+  }
+  std::string endless;
+  while (endless.size() < 1000000) endless += "x_";
+  EXPECT_FALSE(is_moving_part(endless));
+  EXPECT_TRUE(is_moving_part(endless + "fan"));
+}
+
 TEST(Proposal, NamesComeFromParts) {
   std::set<std::string> names;
   for (const FeatureProposal& corner : propose(plate(0))) names.insert(corner.feature.name);
