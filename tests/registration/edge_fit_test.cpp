@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
@@ -98,6 +99,31 @@ TEST(EdgePoints, LieOnOutlineAndCreases) {
   }
 }
 
+TEST(EdgeSupport, IsGreatestWhereTheBrickIs) {
+  const Mesh mesh = brick();
+  const Photograph seen;
+  const GreyImage grey = grey_image(seen.frame.image, 255, false, seen.scene.camera);
+  const EdgeImage image(grey, 0.8);
+  BasisDrawer drawer(mesh, seen.scene.camera);
+  BasisOptions options;
+  options.margin_px = 2;
+  const auto basis = drawer.draw(seen.scene.cam_from_target, options);
+  ASSERT_TRUE(basis);
+  const auto points = edge_points(*basis, seen.scene.camera, seen.scene.cam_from_target);
+  const auto support_at = [&](const Pose& pose) {
+    return edge_support(image, seen.scene.camera, points, pose);
+  };
+  const double here = support_at(seen.scene.cam_from_target);
+  const double two_px_m = 2 * 10.0 / 1300;
+  for (int axis = 0; axis < 6; ++axis) {
+    for (const double side : {-1, 1}) {
+      Vector6d off = Vector6d::Zero();
+      off[axis] = side * (axis < 3 ? 3 * kDegree : axis < 5 ? two_px_m : 0.4);
+      EXPECT_LT(support_at(retract(seen.scene.cam_from_target, off)), here - 0.03) << axis;
+    }
+  }
+}
+
 TEST(EdgeFit, FindsAPrintedBrick) {
   const Mesh mesh = brick();
   for (uint64_t draw = 0; draw < 3; ++draw) {
@@ -139,15 +165,25 @@ TEST(Registration, StandsPrintedFaces) {
 TEST(Registration, DoesNotTrustPrintWithoutTheTarget) {
   const Mesh mesh = brick();
   const Photograph seen;
-  cv::Mat print(seen.frame.image.size(), CV_8U);
+  // Squares in rows, or spots without a line.
+  cv::Mat squares(seen.frame.image.size(), CV_8U), spots(squares.size(), CV_32F);
   RandomStream greys(9, "print", 0);
-  for (int y = 0; y < print.rows; y += 16) {
-    for (int x = 0; x < print.cols; x += 16) {
-      print(cv::Rect(x, y, 16, 16)).setTo(greys.uniform(20, 220));
+  for (int y = 0; y < squares.rows; y += 16) {
+    for (int x = 0; x < squares.cols; x += 16) {
+      squares(cv::Rect(x, y, 16, 16)).setTo(greys.uniform(20, 220));
     }
   }
-  const RegistrationTask task{mesh, seen.scene.camera, print, 255, seen.prior, {}};
-  EXPECT_EQ(register_mesh(task, {}).status, RegistrationStatus::kNotTrusted);
+  cv::RNG random(7);
+  random.fill(spots, cv::RNG::NORMAL, 0, 600);
+  spots = blurred(spots, 4) + 110;
+  spots.convertTo(spots, CV_8U);
+  const auto found_in = [&](const cv::Mat& image) {
+    return register_mesh({mesh, seen.scene.camera, image, 255, seen.prior, {}}, {});
+  };
+  EXPECT_EQ(found_in(squares).status, RegistrationStatus::kNotTrusted);
+  const Registration in_spots = found_in(spots);
+  EXPECT_EQ(in_spots.status, RegistrationStatus::kNotTrusted);
+  EXPECT_THAT(in_spots.reason, testing::HasSubstr("nor has it an outline there"));
 }
 
 }  // namespace

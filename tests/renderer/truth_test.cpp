@@ -214,6 +214,20 @@ TEST(Truth, OfBodiesThatReachBehindTheCameraIsThatOfARayCaster) {
   EXPECT_EQ(compared, 4);
 }
 
+// A floor of two triangles, both of which go on behind the camera.
+TEST(Truth, OfTrianglesThatCrossTheCamerasPlaneIsThatOfARayCaster) {
+  const BrownConrady bent{.k1 = -0.1, .k2 = 0.01, .p1 = 0.001, .p2 = 0, .k3 = 0};
+  for (const BrownConrady& lens : {BrownConrady{}, bent}) {
+    Scene scene = coverage_scene(plate(60), at(0.5, 1.5, 3, {std::numbers::pi / 2 - 0.1, 0, 0.3}));
+    scene.camera = centred_camera(160, 120, 120);
+    scene.camera.lens = lens;
+    const Comparison result = compare(scene, frame_of(scene));
+    EXPECT_GT(result.seen, 160 * 120 / 3);
+    EXPECT_LE(result.other_body, lens.is_zero() ? 0 : 4);
+    EXPECT_LT(result.depth_m, kDepthToleranceM);
+  }
+}
+
 TEST(Truth, APoseAMillimetreOffWouldBeSeen) {
   Scene scene = busy_scene(0);
   const Frame frame = frame_of(scene);

@@ -53,7 +53,7 @@ struct Tally {
     squares += distance2;
     oracle_squares += squared_distance_from_truth(oracle.cam_from_target, s, sigma_px);
     if (!estimate.covariance) return;
-    const Vector6d error = error_of(estimate.cam_from_target, s.cam_from_target);
+    const Vector6d error = change_between(s.cam_from_target, estimate.cam_from_target);
     nees += error.dot(estimate.covariance->ldlt().solve(error));
   }
 };

@@ -55,13 +55,6 @@ inline Synthetic scene(const SceneLaw& law, Draw& draw) {
   return s;
 }
 
-inline Vector6d error_of(const Pose& pose, const Pose& truth) {
-  Vector6d error;
-  error << vector_from_rotation(pose.rotation * truth.rotation.transpose()),
-      pose.translation - truth.translation;
-  return error;
-}
-
 /// e^T H e, e the pose's error and H what the true inliers say of it: six on average for least
 /// squares on them, whose answer beats 60 in one of 1e10 draws.
 inline double squared_distance_from_truth(const Pose& pose, const Synthetic& s, double sigma_px) {
@@ -73,7 +66,7 @@ inline double squared_distance_from_truth(const Pose& pose, const Synthetic& s, 
   const FitPoints points = {c, kept, {}};
   const Matrix6d covariance =
       unit_covariance(points, to_centred(s.cam_from_target, c)).value() * sigma_px * sigma_px;
-  const Vector6d error = error_of(to_centred(pose, c), to_centred(s.cam_from_target, c));
+  const Vector6d error = change_between(to_centred(s.cam_from_target, c), to_centred(pose, c));
   return error.dot(covariance.ldlt().solve(error));
 }
 
