@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "features/extractors/extractors.h"
+#include "features/shared_edges.h"
 
 namespace sightline {
 namespace {
@@ -172,6 +173,7 @@ std::vector<Observation> extract_features(const cv::Mat& image, double white,
     observations.push_back(
         observe(grey, view, prediction, choice.of(prediction.kind), options, background_grey));
   }
+  if (view.target != nullptr) drop_shared_lines(*view.target, observations);
   return observations;
 }
 

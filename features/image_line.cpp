@@ -52,6 +52,22 @@ double offset_variance_px2(const ImageLine& line, const Eigen::Vector2d& pixel) 
          along * along * line.covariance(1, 1);
 }
 
+std::optional<ImageLine> beyond_offset_at(const ImageLine& line, const Eigen::Vector2d& pixel,
+                                          double most_px) {
+  const Eigen::Matrix2d& c = line.covariance;
+  const double along = line.direction.dot(pixel - line.point);
+  // The offsets at `along` and at `place` have the covariance c00 + (along + place) c01 + along
+  // place c11.
+  const double place = -(c(0, 0) + along * c(0, 1)) / (c(0, 1) + along * c(1, 1));
+  if (!(std::abs(place) <= most_px)) return std::nullopt;
+  ImageLine beyond = line;
+  beyond.point = line.point + place * line.direction;
+  const double variance_px2 = offset_variance_px2(line, beyond.point);
+  beyond.covariance =
+      Eigen::Vector2d(variance_px2, std::numeric_limits<double>::infinity()).asDiagonal();
+  return beyond;
+}
+
 std::optional<Meeting> meeting_of(std::span<const ImageLine> lines, double min_angle_deg) {
   double greatest_sine = 0;
   for (size_t i = 0; i < lines.size(); ++i) {

@@ -275,8 +275,8 @@ std::vector<FoundLine> find_lines(const ExtractionInput& input, const GradientWi
     if (!fit) break;
     const double support =
         static_cast<double>(fit->peaks.size()) / static_cast<double>(profile.peaks.size());
-    lines.push_back(
-        {searched.index, support, image_line(input, searched.edge, profile, *fit, polarity)});
+    lines.push_back({searched.index, support, searched.edge.is_soft,
+                     image_line(input, searched.edge, profile, *fit, polarity)});
     profile = without(fit->line, std::move(profile));
   }
   return lines;
@@ -328,7 +328,7 @@ std::vector<Agreement> agreements_of(const ExtractionInput& input,
 
 std::optional<ModelLines> find_model_lines(const ExtractionInput& input, const cv::Rect& window) {
   const std::vector<SearchedEdge> edges = searched_edges(input);
-  if (edges.size() < 2) return std::nullopt;
+  if (edges.empty()) return std::nullopt;
   std::vector<OutlineSample> all;
   for (const SearchedEdge& edge : edges) {
     all.insert(all.end(), edge.samples.begin(), edge.samples.end());

@@ -20,6 +20,7 @@ namespace sightline {
 struct FoundLine {
   int edge;        ///< index into the feature's edges
   double support;  ///< the share of the edge's samples that have a peak on it
+  bool is_soft;    ///< the edge is rounded or bevelled (PredictedEdge)
   ImageLine line;
 };
 
@@ -30,8 +31,8 @@ struct ModelLines {
   int polarity = 0;                             ///< of the outline (features/outline_search.h)
 };
 
-/// The lines along a feature's edges, of many edges the longest. None where the target shows fewer
-/// than two of them.
+/// The lines along a feature's edges, of many edges the longest. None where the target shows none
+/// of them.
 std::optional<ModelLines> find_model_lines(const ExtractionInput& input, const cv::Rect& window);
 
 /// The line of a sharp edge fitted to the grey levels (features/blurred_edge.h) along all of it

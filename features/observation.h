@@ -50,6 +50,15 @@ struct ImageLine {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
 };
 
+/// A line found along one of a feature's edges, as an observation of that edge: what it says of the
+/// pose beyond the feature's pixel, where that was found from it too. Then its slope is known about
+/// the pixel alone: the line's covariance is of its offset at `line.point`, where it errs
+/// independently of the pixel, and the slope's variance is infinite.
+struct EdgeLine {
+  int edge = 0;  ///< index into the feature's edges
+  ImageLine line;
+};
+
 /// What an extractor says of one feature in one image, and the evidence it came from.
 struct Observation {
   int feature = 0;  ///< index into the target's features
@@ -61,6 +70,7 @@ struct Observation {
   Eigen::Vector2d predicted_px = Eigen::Vector2d::Zero();
   cv::Rect window;                       ///< where it looked, inside the image
   std::vector<ImageLine> lines;          ///< that a line intersection was found by: two or more
+  std::vector<EdgeLine> edge_lines;      ///< what its edges say, whether or not it was found
   std::vector<Eigen::Vector2d> corners;  ///< all the corners a corner extractor chose from
   std::vector<Eigen::Vector2d> contour;  ///< the edge pixels an outline was laid on
   /// That outline where it came to lie: its samples, a pixel apart, in the order of the mesh.

@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 
 #include "pose/attitude.h"
+#include "pose/edge_points.h"
 #include "pose/point_spread.h"
 #include "pose/reprojection.h"
 
@@ -48,6 +49,26 @@ std::optional<Matrix6d> information(const Camera& camera, const Correspondences&
   return sum;
 }
 
+/// The same of lines, about another origin of the target. None when one cannot be used or seen.
+std::optional<Matrix6d> information_of_lines(const Camera& camera,
+                                             std::span<const LineObservation> lines,
+                                             const Eigen::Vector3d& origin_in_target,
+                                             const Pose& cam_from_centred) {
+  Matrix6d sum = Matrix6d::Zero();
+  for (LineObservation line : lines) {
+    line.begin_in_target -= origin_in_target;
+    line.end_in_target -= origin_in_target;
+    const auto points = edge_points_of(line, camera);
+    if (!points) return std::nullopt;
+    for (const EdgePoint& point : *points) {
+      const auto r = edge_residual(point, cam_from_centred);
+      if (!r) return std::nullopt;
+      sum += r->jacobian.transpose() * r->jacobian / point.variance_px2;
+    }
+  }
+  return sum;
+}
+
 bool is_positive_definite(const Eigen::Matrix2d& m) {
   return m(0, 0) > 0 && m.determinant() > 0 && m.allFinite();
 }
@@ -58,24 +79,39 @@ std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
                                           std::span<const Eigen::Vector3d> points_in_target,
                                           const Pose& cam_from_target,
                                           std::span<const Eigen::Matrix2d> covariances_px2) {
+  return cramer_rao_bound(camera, points_in_target, cam_from_target, covariances_px2, {});
+}
+
+std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
+                                          std::span<const Eigen::Vector3d> points_in_target,
+                                          const Pose& cam_from_target,
+                                          std::span<const Eigen::Matrix2d> covariances_px2,
+                                          std::span<const LineObservation> lines) {
   const bool is_usable =
-      !points_in_target.empty() && covariances_px2.size() == points_in_target.size() &&
+      points_in_target.size() + lines.size() > 0 &&
+      covariances_px2.size() == points_in_target.size() &&
       std::all_of(covariances_px2.begin(), covariances_px2.end(), is_positive_definite) &&
       is_valid(cam_from_target);
   if (!is_usable) return std::nullopt;
   Correspondences c;
   c.fx_px = camera.fx_px;
   c.fy_px = camera.fy_px;
-  c.centroid_in_target = mean_of(points_in_target);
+  c.centroid_in_target =
+      points_in_target.empty()
+          ? Eigen::Vector3d((lines[0].begin_in_target + lines[0].end_in_target) / 2)
+          : mean_of(points_in_target);
   for (const Eigen::Vector3d& p : points_in_target) {
     c.points_in_centred.push_back(p - c.centroid_in_target);
   }
   c.pixels.assign(c.size(), Eigen::Vector2d::Zero());
 
   const Pose cam_from_centred = to_centred(cam_from_target, c);
-  const std::optional<Matrix6d> sum = information(camera, c, cam_from_centred, covariances_px2);
-  if (!sum) return std::nullopt;
-  const std::optional<Matrix6d> covariance = inverse_information(*sum);
+  const std::optional<Matrix6d> of_points =
+      information(camera, c, cam_from_centred, covariances_px2);
+  const std::optional<Matrix6d> of_lines =
+      information_of_lines(camera, lines, c.centroid_in_target, cam_from_centred);
+  if (!of_points || !of_lines) return std::nullopt;
+  const std::optional<Matrix6d> covariance = inverse_information(*of_points + *of_lines);
   if (!covariance) return std::nullopt;
 
   return pose_bound(covariance_from_centred(*covariance, cam_from_centred, c), cam_from_target);

@@ -7,6 +7,7 @@
 
 #include <Eigen/Core>
 
+#include "pose/line_observation.h"
 #include "pose/solver.h"
 
 namespace sightline {
@@ -30,6 +31,15 @@ std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
                                           std::span<const Eigen::Vector3d> points_in_target,
                                           const Pose& cam_from_target,
                                           std::span<const Eigen::Matrix2d> covariances_px2);
+
+/// The bound of points and lines together: lines add sum J^T J / variance over their edge points
+/// (pose/edge_points.h), J taken at the pixels where they are said to have been seen. There may be
+/// points or lines alone. None also where a line cannot be used or has no residual at the pose.
+std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
+                                          std::span<const Eigen::Vector3d> points_in_target,
+                                          const Pose& cam_from_target,
+                                          std::span<const Eigen::Matrix2d> covariances_px2,
+                                          std::span<const LineObservation> lines);
 
 /// The same for noise of standard deviation `sigma_px` > 0 on both coordinates of every point.
 std::optional<PoseBound> cramer_rao_bound(const Camera& camera,

@@ -70,7 +70,8 @@ PackedPoints::PackedPoints(const Correspondences& c, std::span<const Eigen::Matr
 }
 
 kernel::Fit PackedPoints::fit(const Pose& start, int max_iterations, double step_tolerance) const {
-  return kernel::fit(data(), count_, rigid_from(start), max_iterations, step_tolerance);
+  return kernel::fit({.points = data(), .point_count = count_}, rigid_from(start), max_iterations,
+                     step_tolerance);
 }
 
 void PackedPoints::scale_weight(std::size_t point, double factor) {
@@ -93,6 +94,10 @@ kernel::RigidPose rigid_from(const Pose& pose) {
   return rigid;
 }
 
+Matrix6d hessian_of(const kernel::NormalEquations& model) {
+  return symmetric_from(model.hessian);
+}
+
 std::optional<Matrix6d> inverse_of(const kernel::NormalEquations& model) {
   double upper[21];
   if (!kernel::invert(model.hessian, upper)) return std::nullopt;
@@ -105,7 +110,7 @@ std::optional<Matrix6d> information_at(const PackedPoints& points, const Pose& c
   if (!kernel::normal_equations(lanes.data(), lanes.size(), rigid_from(cam_from_centred), model)) {
     return std::nullopt;
   }
-  return symmetric_from(model.hessian);
+  return hessian_of(model);
 }
 
 }  // namespace sightline

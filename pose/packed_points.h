@@ -54,6 +54,9 @@ class PackedPoints {
 Pose pose_from(const kernel::RigidPose& pose);
 kernel::RigidPose rigid_from(const Pose& pose);
 
+/// A model's Hessian in full.
+Matrix6d hessian_of(const kernel::NormalEquations& model);
+
 /// The inverse of a fit's Hessian, which is the covariance at unit noise. None where it is not
 /// positive definite by a margin, as of inverse_information.
 std::optional<Matrix6d> inverse_of(const kernel::NormalEquations& model);

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "pose/lines/joint.h"
 #include "pose/solvers/solvers.h"
 
 namespace sightline {
@@ -11,8 +12,9 @@ namespace {
 
 constexpr std::array kCatalogue = {
     PoseSolver{"consensus", "any number of points, any share of outliers, any start", false,
-               solve_consensus, 0, true, true},
-    PoseSolver{"lspe", "least squares on all points", false, solve_lspe},
+               solve_consensus, 0, true, true, lines::solve_consensus},
+    PoseSolver{"lspe", "least squares on all points", false, solve_lspe, 0, false, false,
+               lines::solve_lspe},
     PoseSolver{"orpe", "minimax with removal of outliers, as the paper prints it", false,
                solve_orpe},
     PoseSolver{"orpe_calibrated", "minimax with outward tests at a stated false-alarm rate", false,

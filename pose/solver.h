@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "pose/camera.h"
+#include "pose/line_observation.h"
 #include "pose/pose.h"
 
 namespace sightline {
@@ -31,6 +32,9 @@ struct PoseProblem {
   /// Standard deviation of an inlier's noise in each coordinate, where there are no covariances; 0:
   /// not known. Solvers that need it estimate it then. LSPE and ORPE, as printed, do not.
   double sigma_px = 0;
+  /// Straight edges of the target seen as lines, for the solvers that use them
+  /// (PoseSolver::with_lines); the others look at the points alone.
+  std::vector<LineObservation> lines;
   /// Where to start. Without it solvers find starts of their own (pose/starts.h).
   std::optional<Pose> initial_cam_from_target;
   /// For the oracle alone, which exists for evaluation: which points are true inliers.
@@ -93,6 +97,9 @@ struct PoseEstimate {
   /// undo, a covariance that is not positive definite, behind an initial pose that stands though),
   /// ascending; also where the status is not ok.
   std::vector<int> ignored;
+  /// The same of lines: judged outliers, and of no use. Only from solvers that use lines.
+  std::vector<int> removed_lines;
+  std::vector<int> ignored_lines;
   /// The probability of each point to be an inlier, 0 of those ignored. Only from consensus.
   std::optional<std::vector<double>> inlier_probabilities;
   /// Another pose that explains the points nearly as well, where the diagnosis says that there is
@@ -156,6 +163,9 @@ struct PoseSolver {
   bool takes_any_input = false;
   /// Whether unit_covariance is that for noise of the covariances, where there are some.
   bool unit_covariance_is_whitened = false;
+  /// What it makes of a problem with lines, whatever the input; null: it uses points alone. There
+  /// points and lines together need be four, or three with an initial pose.
+  PoseEstimate (*with_lines)(const PoseProblem& problem, const SolverOptions& options) = nullptr;
 
   /// The pose, whatever the input: points that cannot be used are left out and listed, an initial
   /// pose can only help, points given twice count once for what is determined

@@ -18,6 +18,7 @@ Comparison register_render();
 /// These compare with nothing.
 void register_pipeline();
 void register_door();
+void register_lines();
 void register_registration();
 
 }  // namespace sightline

@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   };
   sightline::register_pipeline();
   sightline::register_door();
+  sightline::register_lines();
   sightline::register_registration();
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;

@@ -115,6 +115,13 @@ inline constexpr std::array<std::string_view, 9> kObservationLabels = {
     "inlier", "wrong line", "wrong intersection", "wrong point", "clutter", "hidden", "missing",
     "absent", "planted"};
 
+/// What a line observation is, held against the truth.
+enum class LineLabel {
+  kRight,  ///< the image of its edge, within the study's limits
+  kWrong,
+};
+inline constexpr std::array<std::string_view, 2> kLineLabels = {"right line", "wrong line"};
+
 /// The names of an enum's values; the argument says which enum.
 constexpr std::span<const std::string_view> names_of(ObservationOutcome) {
   return kObservationOutcomes;
@@ -125,10 +132,15 @@ constexpr std::span<const std::string_view> names_of(EstimateOutcome) {
 constexpr std::span<const std::string_view> names_of(ObservationLabel) {
   return kObservationLabels;
 }
+constexpr std::span<const std::string_view> names_of(LineLabel) {
+  return kLineLabels;
+}
 
 static_assert(kObservationOutcomes.size() == static_cast<size_t>(ObservationOutcome::kMissing) + 1);
 static_assert(kEstimateOutcomes.size() == static_cast<size_t>(EstimateOutcome::kTooManyPoints) + 1);
 static_assert(kObservationLabels.size() == static_cast<size_t>(ObservationLabel::kPlanted) + 1);
+
+static_assert(kLineLabels.size() == static_cast<size_t>(LineLabel::kWrong) + 1);
 
 /// An enum of this file.
 template <typename Enum>

@@ -36,6 +36,23 @@ struct ObservationRecord {
   bool is_found() const { return status == ObservationOutcome::kFound; }
 };
 
+/// A line that was found along one of a feature's edges, as solvers are given it
+/// (LineObservation in pose/line_observation.h).
+struct LineRecord {
+  std::string feature;  ///< at which the edge begins
+  int edge = 0;         ///< index into the feature's edges
+  LineLabel label = LineLabel::kRight;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  Eigen::Vector2d direction = Eigen::Vector2d::UnitX();
+  double offset_variance_px2 = 0;
+  double offset_slope_covariance = 0;  ///< px rad
+  double slope_variance = 0;           ///< rad^2; infinite where the slope is not known
+  double offset_px = 0;                ///< of the edge's true image at the pixel, along the normal
+  double error_sigmas = std::numeric_limits<double>::quiet_NaN();  ///< of offset and slope together
+
+  bool is_right() const { return label == LineLabel::kRight; }
+};
+
 /// What one solver made of one trial. Errors as the ORPE paper defines them; in a failed trial
 /// (status other than kOk) they are not meaningful, and statistics count the failure.
 struct EstimateRecord {
@@ -50,8 +67,10 @@ struct EstimateRecord {
   double mssd_m = 0;                 ///< greatest distance of a vertex
   double mspd_px = 0;                ///< greatest distance of a projected vertex
   std::vector<std::string> removed;  ///< features judged outliers
-  int false_removals = 0;            ///< removed, but inliers
-  int missed_outliers = 0;           ///< kept, but outliers
+  /// Lines judged outliers, each as its feature, a slash and its edge.
+  std::vector<std::string> removed_lines;
+  int false_removals = 0;   ///< removed, but inliers
+  int missed_outliers = 0;  ///< kept, but outliers
   /// As the solver reports it, of (w, dt): cam_from_target = (Exp(w) R, t + dt), radians and
   /// metres; none where it reports none.
   std::optional<Eigen::Matrix<double, 6, 6>> covariance;
@@ -87,6 +106,7 @@ struct OrientationRecord {
 struct PoseTrial {
   Pose prior_cam_from_target;
   std::vector<ObservationRecord> observations;
+  std::vector<LineRecord> lines;          ///< where the study uses lines
   std::vector<EstimateRecord> estimates;  ///< in the study's order of solvers
 };
 
@@ -110,6 +130,7 @@ struct TrialRecord {
 
   /// What a trial of either kind has of these: nothing, where it is of the other kind.
   std::span<const ObservationRecord> observations() const;
+  std::span<const LineRecord> lines() const;
   std::span<const EstimateRecord> estimates() const;
   std::span<const OrientationRecord> orientations() const;
 };
@@ -118,6 +139,12 @@ inline std::span<const ObservationRecord> TrialRecord::observations() const {
   const auto* pose_trial = std::get_if<PoseTrial>(&kind);
   if (pose_trial == nullptr) return {};
   return pose_trial->observations;
+}
+
+inline std::span<const LineRecord> TrialRecord::lines() const {
+  const auto* pose_trial = std::get_if<PoseTrial>(&kind);
+  if (pose_trial == nullptr) return {};
+  return pose_trial->lines;
 }
 
 inline std::span<const EstimateRecord> TrialRecord::estimates() const {
@@ -159,12 +186,13 @@ enum class CsvPlace { kNowhere, kSolver, kStatus, kResult, kPose, kEnd, kTiming 
 
 /// A member of any of the types that can be kept.
 template <typename Record>
-using Member = std::variant<int Record::*, bool Record::*, double Record::*, std::string Record::*,
-                            ObservationOutcome Record::*, EstimateOutcome Record::*,
-                            ObservationLabel Record::*, Eigen::Vector2d Record::*, Pose Record::*,
-                            std::optional<bool> Record::*, std::optional<double> Record::*,
-                            std::optional<Eigen::Matrix<double, 6, 6>> Record::*,
-                            std::vector<std::string> Record::*>;
+using Member =
+    std::variant<int Record::*, bool Record::*, double Record::*, std::string Record::*,
+                 ObservationOutcome Record::*, EstimateOutcome Record::*,
+                 ObservationLabel Record::*, LineLabel Record::*, Eigen::Vector2d Record::*,
+                 Pose Record::*, std::optional<bool> Record::*, std::optional<double> Record::*,
+                 std::optional<Eigen::Matrix<double, 6, 6>> Record::*,
+                 std::vector<std::string> Record::*>;
 
 /// A member of a record that is kept. A vector of pixels or a pose takes several columns, whose
 /// names begin with the field's name: see component_names().
@@ -213,6 +241,24 @@ inline constexpr std::array kObservationFields = {
                              &ObservationRecord::is_outlier},
     Field<ObservationRecord>{"label", "", "what it is against the truth",
                              &ObservationRecord::label},
+};
+
+inline constexpr std::array kLineFields = {
+    Field<LineRecord>{"feature", "", "at which the edge begins", &LineRecord::feature},
+    Field<LineRecord>{"edge", "", "which of the feature's edges, from 0", &LineRecord::edge},
+    Field<LineRecord>{"label", "", "what it is against the truth", &LineRecord::label},
+    Field<LineRecord>{"pixel_", "px", "a pixel on the line", &LineRecord::pixel},
+    Field<LineRecord>{"direction_", "", "a vector along it", &LineRecord::direction},
+    Field<LineRecord>{"offset_variance_px2", "px^2", "of the line across itself, at the pixel",
+                      &LineRecord::offset_variance_px2},
+    Field<LineRecord>{"offset_slope_covariance", "px rad", "of that offset and the slope there",
+                      &LineRecord::offset_slope_covariance},
+    Field<LineRecord>{"slope_variance", "rad^2", "infinite where the slope is not known",
+                      &LineRecord::slope_variance},
+    Field<LineRecord>{"offset_px", "px", "of the edge's true image from the line, at the pixel",
+                      &LineRecord::offset_px},
+    Field<LineRecord>{"error_sigmas", "sigma", "of offset and slope together",
+                      &LineRecord::error_sigmas},
 };
 
 inline constexpr std::array kEstimateFields = {
@@ -267,6 +313,9 @@ inline constexpr std::array kEstimateFields = {
     Field<EstimateRecord>{"test_failed", "",
                           "the solver says: what is kept does not look like noise",
                           &EstimateRecord::is_test_failed, CsvPlace::kEnd},
+    Field<EstimateRecord>{"removed_lines", "",
+                          "lines judged outliers: a JSON array of feature/edge",
+                          &EstimateRecord::removed_lines},
 };
 
 inline constexpr std::array kOrientationFields = {

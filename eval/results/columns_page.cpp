@@ -63,6 +63,7 @@ std::string columns_page() {
   out += names_section<EstimateOutcome>("Statuses of estimates and orientations");
   out += names_section<ObservationOutcome>("Statuses of observations");
   out += names_section<ObservationLabel>("Labels of observations");
+  out += names_section<LineLabel>("Labels of lines");
   return out;
 }
 

@@ -91,7 +91,7 @@ void check_schema(SQLite::Database& database, const std::filesystem::path& file)
 
 // Before anything is added: nothing of it may be lost for want of a column.
 void bring_up_to_date(SQLite::Database& database) {
-  add_lacking_columns(database);
+  add_what_is_lacking(database);
   if (database.execAndGet("PRAGMA user_version").getInt() == kSchemaVersion) return;
   database.exec(fmt::format("PRAGMA user_version = {}", kSchemaVersion));
 }

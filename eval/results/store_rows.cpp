@@ -6,6 +6,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -216,6 +217,7 @@ class TrialWriter {
   explicit TrialWriter(const SQLite::Database& database)
       : trials_(database, trials_table()),
         observations_(database, observations_table()),
+        lines_(database, lines_table()),
         estimates_(database, estimates_table()),
         orientations_(database, orientations_table()) {}
 
@@ -234,6 +236,7 @@ class TrialWriter {
 
   void write_lists(const TrialRecord& record) {
     write_list(observations_, kObservationFields, record.trial, record.observations());
+    write_list(lines_, kLineFields, record.trial, record.lines());
     write_list(estimates_, kEstimateFields, record.trial, record.estimates());
     write_list(orientations_, kOrientationFields, record.trial, record.orientations());
   }
@@ -252,6 +255,7 @@ class TrialWriter {
 
   RowWriter trials_;
   RowWriter observations_;
+  RowWriter lines_;
   RowWriter estimates_;
   RowWriter orientations_;
 };
@@ -263,7 +267,9 @@ class TrialRows {
  public:
   TrialRows(const SQLite::Database& database, const StoreTable& table,
             const std::array<Field<Record>, kCount>& fields)
-      : rows_(database, table), fields_(fields) {
+      : fields_(fields) {
+    if (!table.is_required && columns_there(database, table).there.empty()) return;
+    rows_.emplace(database, table);
     advance();
   }
 
@@ -272,19 +278,19 @@ class TrialRows {
     while (has_row_ && trial_ < trial) advance();
     std::vector<Record> records;
     for (; has_row_ && trial_ == trial; advance()) {
-      rows_.read(fields_, records.emplace_back());
+      rows_->read(fields_, records.emplace_back());
     }
     return records;
   }
 
  private:
   void advance() {
-    has_row_ = rows_.next_row();
+    has_row_ = rows_->next_row();
     int position = 0;
-    if (has_row_) rows_ >> trial_ >> position;
+    if (has_row_) *rows_ >> trial_ >> position;
   }
 
-  RowReader rows_;
+  std::optional<RowReader> rows_;  // none of a table that the store does not have
   const std::array<Field<Record>, kCount>& fields_;
   bool has_row_ = false;
   int64_t trial_ = 0;
@@ -309,6 +315,7 @@ void write_trials(SQLite::Database& database, std::span<const TrialRecord> trial
 void visit_trials(const SQLite::Database& database, const TrialVisitor& visit) {
   RowReader trials(database, trials_table());
   TrialRows observations(database, observations_table(), kObservationFields);
+  TrialRows lines(database, lines_table(), kLineFields);
   TrialRows estimates(database, estimates_table(), kEstimateFields);
   TrialRows orientations(database, orientations_table(), kOrientationFields);
   while (trials.next_row()) {
@@ -318,6 +325,7 @@ void visit_trials(const SQLite::Database& database, const TrialVisitor& visit) {
     trials.read(kTrialFields, record);
     trials.read(kPoseTrialFields, pose_trial);
     pose_trial.observations = observations.rows_of(record.trial);
+    pose_trial.lines = lines.rows_of(record.trial);
     pose_trial.estimates = estimates.rows_of(record.trial);
     OrientationTrial orientation_trial{orientations.rows_of(record.trial)};
     if (orientation_trial.orientations.empty()) {

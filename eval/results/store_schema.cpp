@@ -98,6 +98,15 @@ const StoreTable& observations_table() {
   return table;
 }
 
+const StoreTable& lines_table() {
+  static const StoreTable table = [] {
+    StoreTable lines = table_of_list("lines", kLineFields);
+    lines.is_required = false;
+    return lines;
+  }();
+  return table;
+}
+
 const StoreTable& estimates_table() {
   static const StoreTable table = table_of_list("estimates", kEstimateFields);
   return table;
@@ -109,7 +118,8 @@ const StoreTable& orientations_table() {
 }
 
 std::vector<const StoreTable*> store_tables() {
-  return {&trials_table(), &observations_table(), &estimates_table(), &orientations_table()};
+  return {&trials_table(), &observations_table(), &lines_table(), &estimates_table(),
+          &orientations_table()};
 }
 
 void create_tables(SQLite::Database& database) {
@@ -133,6 +143,7 @@ ColumnsThere columns_there(const SQLite::Database& database, const StoreTable& t
 std::string why_not_readable(const SQLite::Database& database) {
   for (const StoreTable* table : store_tables()) {
     const ColumnsThere columns = columns_there(database, *table);
+    if (columns.there.empty() && !table->is_required) continue;
     if (columns.there.empty()) return fmt::format("no table {}", table->name);
     const std::set<std::string> lacking(columns.lacking.begin(), columns.lacking.end());
     for (const StoreColumns& group : table->columns) {
@@ -145,9 +156,13 @@ std::string why_not_readable(const SQLite::Database& database) {
   return "";
 }
 
-void add_lacking_columns(SQLite::Database& database) {
+void add_what_is_lacking(SQLite::Database& database) {
   for (const StoreTable* table : store_tables()) {
     const ColumnsThere columns = columns_there(database, *table);
+    if (columns.there.empty()) {
+      database.exec(create_sql(*table));
+      continue;
+    }
     const std::set<std::string> lacking(columns.lacking.begin(), columns.lacking.end());
     for (const StoreColumns& group : table->columns) {
       for (const std::string& name : group.names) {
@@ -162,6 +177,7 @@ void add_lacking_columns(SQLite::Database& database) {
 void copy_trials_of_other(SQLite::Database& database) {
   for (const StoreTable* table : store_tables()) {
     const std::vector<std::string> columns = columns_there(database, *table, "other").there;
+    if (columns.empty()) continue;
     database.exec(fmt::format("INSERT INTO main.{0} ({1}) SELECT {1} FROM other.{0}", table->name,
                               fmt::join(columns, ",")));
   }

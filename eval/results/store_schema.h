@@ -29,12 +29,14 @@ struct StoreTable {
   const char* name;
   const char* key;  ///< of a row: its columns, separated by commas
   std::vector<StoreColumns> columns;
+  bool is_required = true;  ///< stores of before it came are read without it
 
   std::vector<std::string> column_names() const;
 };
 
 const StoreTable& trials_table();
 const StoreTable& observations_table();
+const StoreTable& lines_table();
 const StoreTable& estimates_table();
 const StoreTable& orientations_table();
 
@@ -57,8 +59,9 @@ ColumnsThere columns_there(const SQLite::Database& database, const StoreTable& t
 /// Empty where nothing does.
 std::string why_not_readable(const SQLite::Database& database);
 
-/// Gives the tables of a store of an older schema the columns that they lack, all NULL.
-void add_lacking_columns(SQLite::Database& database);
+/// Gives a store of an older schema the tables that it lacks, empty, and its tables the columns
+/// that they lack, all NULL.
+void add_what_is_lacking(SQLite::Database& database);
 
 /// Adds all trials of the file that is attached as `other`, which may be of an older schema.
 void copy_trials_of_other(SQLite::Database& database);

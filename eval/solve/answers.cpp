@@ -30,6 +30,11 @@ std::optional<Matrix6d> covariance_of(const PoseProblem& problem, const PoseEsti
   return covariance;
 }
 
+// Whether the noise is stated, so that what is said of lines and points together is in its units.
+bool is_noise_known(const PoseProblem& problem) {
+  return problem.sigma_px > 0 || !problem.covariances_px2.empty() || problem.pixels.empty();
+}
+
 // "x  1.234 +- 0.056 m" in columns.
 std::string row(const char* name, double value, const std::optional<Matrix6d>& covariance,
                 int index, double unit, const char* unit_name) {
@@ -112,7 +117,8 @@ double residual_rms(const PoseProblem& problem, const PoseMinima& minima,
 }  // namespace
 
 std::string text_of(const PoseProblem& problem, const PoseEstimate& estimate) {
-  const std::string ignored = list_row("points unusable", estimate.ignored);
+  const std::string ignored = list_row("points unusable", estimate.ignored) +
+                              list_row("lines unusable", estimate.ignored_lines);
   if (estimate.status != PoseStatus::kOk) {
     const bool is_too_many = estimate.status == PoseStatus::kTooManyPoints;
     return fmt::format(
@@ -124,10 +130,21 @@ std::string text_of(const PoseProblem& problem, const PoseEstimate& estimate) {
   const size_t all = problem.points_in_target.size();
   text += fmt::format("  {:<22}{} of {}\n", "points kept",
                       all - estimate.removed.size() - estimate.ignored.size(), all);
-  text += list_row("points removed", estimate.removed) + ignored;
-  if (estimate.noise_px) text += fmt::format("  {:<22}{:.4g} px\n", "noise", *estimate.noise_px);
+  text += list_row("points removed", estimate.removed);
+  if (!problem.lines.empty()) {
+    const size_t lines = problem.lines.size();
+    text +=
+        fmt::format("  {:<22}{} of {}\n", "lines kept",
+                    lines - estimate.removed_lines.size() - estimate.ignored_lines.size(), lines);
+  }
+  text += list_row("lines removed", estimate.removed_lines) + ignored;
+  const bool is_in_sigmas = !problem.lines.empty() && is_noise_known(problem);
+  const char* const unit = is_in_sigmas ? "sigma" : "px";
+  if (estimate.noise_px) {
+    text += fmt::format("  {:<22}{:.4g} {}\n", "noise", *estimate.noise_px, unit);
+  }
   if (estimate.residual_rms_px) {
-    text += fmt::format("  {:<22}{:.4g} px\n", "residuals, rms", *estimate.residual_rms_px);
+    text += fmt::format("  {:<22}{:.4g} {}\n", "residuals, rms", *estimate.residual_rms_px, unit);
   }
   return text + warnings(estimate);
 }
@@ -140,6 +157,10 @@ std::string json_of(const PoseProblem& problem, const PoseEstimate& estimate) {
     json["removed"] = estimate.removed;
     if (const auto covariance = covariance_of(problem, estimate)) {
       json["covariance_rad_m"] = matrix_json(*covariance);
+    }
+    if (!problem.lines.empty()) {
+      json["removed_lines"] = estimate.removed_lines;
+      json["ignored_lines"] = estimate.ignored_lines;
     }
     put(json, "inlier_probabilities", estimate.inlier_probabilities);
     put(json, "noise_px", estimate.noise_px);

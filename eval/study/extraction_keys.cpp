@@ -125,6 +125,13 @@ std::vector<Key> extraction_keys(ImageSetup& setup, double& bias_mesh_fraction) 
        "",
        "extractor of features on the outline"},
       {"extraction",
+       "use_lines",
+       &setup.uses_lines,
+       {},
+       "",
+       "whether solvers that use lines (sightline list solvers) are given those that were found "
+       "along edges"},
+      {"extraction",
        "passes",
        &setup.passes,
        {1, 10},

@@ -110,6 +110,8 @@ struct ImageSetup {
   /// Who finds the features in their place; null: they do.
   std::shared_ptr<const TrialExtractor> guest;
   ExtractorOptions extractor_options;
+  /// Whether solvers that use lines are given those that were found along edges.
+  bool uses_lines = false;
   int passes = 1;  ///< of extraction; all but the first around the pose that came out before
   BiasRemoval bias_removal = BiasRemoval::kOff;
   /// What is rendered for it; null where it is off.

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "eval/records/caps.h"
+#include "eval/records/line_records.h"
 #include "pose/angles.h"
 #include "pose/bounds.h"
 
@@ -49,8 +50,14 @@ std::optional<TrialBound> TrialBounds::of(const TrialRecord& trial) const {
     const double sd_px = std::max(noise_px(trial.condition, o.feature), kLeastNoisePx);
     covariances_px2.push_back(sd_px * sd_px * Eigen::Matrix2d::Identity());
   }
+  std::vector<LineObservation> lines;
+  for (const LineRecord& line : trial.lines()) {
+    if (line.is_right() && positions_m_.contains(line.feature)) {
+      lines.push_back(line_of(line, *study_.pose_study()->target));
+    }
+  }
   const auto bound = cramer_rao_bound(study_.camera_of(trial.trial), points_m,
-                                      trial.true_cam_from_target, covariances_px2);
+                                      trial.true_cam_from_target, covariances_px2, lines);
   if (!bound) return std::nullopt;
   return TrialBound{std::min(bound->attitude_rms_rad / kDegree, kAngleCapDeg),
                     std::min(100 * bound->translation_rms, kTranslationCapPercent),

@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 
 #include "eval/metrics/pose_errors.h"
+#include "eval/records/line_records.h"
 #include "pose/angles.h"
 #include "pose/attitude.h"
 #include "pose/pose.h"
@@ -134,6 +135,9 @@ EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const st
   out.t_error_percent = 100 * translation_error_fraction(pose.translation, truth.translation);
   out.geodesic_deg = geodesic_angle_rad(pose.rotation, truth.rotation) / kDegree;
   out.reprojection_rms_px = reprojection_rms_px(problem, estimate);
+  for (const int line : estimate.removed_lines) {
+    out.removed_lines.push_back(name_of(record.lines()[static_cast<size_t>(line)]));
+  }
   const VertexErrors errors =
       vertex_errors(vertices_of(study.target->mesh), problem.camera, pose, truth);
   out.add_m = errors.add;
@@ -150,10 +154,11 @@ EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const st
   return out;
 }
 
-// The points at their true places; `is_moved` says which of them.
+// The points at their true places, without lines; `is_moved` says which of them.
 template <typename Choice>
 FoundPoints at_truth(const FoundPoints& found, const TrialRecord& record, const Choice& is_moved) {
   FoundPoints out = found;
+  out.problem.lines.clear();
   for (size_t i = 0; i < found.slots.size(); ++i) {
     const ObservationRecord& observation = record.observations()[found.slots[i]];
     if (is_moved(observation)) out.problem.pixels[i] = observation.true_pixel;
@@ -163,6 +168,7 @@ FoundPoints at_truth(const FoundPoints& found, const TrialRecord& record, const 
 
 FoundPoints inliers_of(const FoundPoints& found, const TrialRecord& record) {
   FoundPoints out = found;
+  out.problem.lines.clear();
   out.problem.points_in_target.clear();
   out.problem.pixels.clear();
   out.problem.covariances_px2.clear();

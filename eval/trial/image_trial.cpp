@@ -9,8 +9,10 @@
 
 #include "eval/datasets/set_frame.h"
 #include "eval/doors/trial_extractor.h"
+#include "eval/records/line_records.h"
 #include "eval/trial/estimates.h"
 #include "eval/trial/labels.h"
+#include "eval/trial/line_labels.h"
 #include "eval/trial/passes.h"
 #include "features/prediction.h"
 
@@ -33,6 +35,9 @@ FoundPoints found_points(const ImageStudy& study, const Trial& trial, const Pose
     problem.pixels.push_back(observation.pixel);
     problem.covariances_px2.push_back(observation.covariance_px2);
     found.slots.push_back(static_cast<int>(i));
+  }
+  for (const LineRecord& line : trial.record.lines()) {
+    problem.lines.push_back(line_of(line, *study.target));
   }
   return found;
 }
@@ -58,6 +63,13 @@ std::vector<ObservationRecord> compare_with_truth(const ImageStudy& study, const
     records.push_back(std::move(record));
   }
   return records;
+}
+
+std::vector<LineRecord> lines_against_truth(const ImageStudy& study, const Trial& trial) {
+  const ImageSetup& setup = study.setup_of(trial.record.condition);
+  if (!setup.uses_lines) return {};
+  return compare_lines(trial.observations, *study.target, trial.scene.camera,
+                       trial.record.true_cam_from_target, setup.limits);
 }
 
 // Scene and frame of a trial, drawn and rendered. Returns why there is none.
@@ -150,6 +162,7 @@ Trial recall_image_trial(const ImageStudy& study, uint64_t seed, const TrialReco
       trial.observations =
           extract(study, trial.record, trial.scene, trial.frame.image, renderer).observations;
       pose_trial.observations = compare_with_truth(study, trial);
+      pose_trial.lines = lines_against_truth(study, trial);
     }
   }
   pose_trial.estimates = recorded.pose_trial().estimates;
@@ -162,6 +175,7 @@ void extract_and_solve(const ImageStudy& study, uint64_t seed, Trial& trial, Ren
   Extraction extraction = extract(study, record, trial.scene, trial.frame.image, renderer);
   trial.observations = std::move(extraction.observations);
   pose_trial.observations = compare_with_truth(study, trial);
+  pose_trial.lines = lines_against_truth(study, trial);
   if (extraction.problem) {
     pose_trial.estimates = failed_estimates(study.solving, *extraction.problem);
     return;

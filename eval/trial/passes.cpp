@@ -78,6 +78,31 @@ bool passes_gate(const Task& task, const Pose& prior, const Pose& pose) {
   });
 }
 
+// The lines along edges that were found, as a problem has them.
+void add_lines(const Task& task, const std::vector<Observation>& observations,
+               PoseProblem& problem) {
+  for (const Observation& observation : observations) {
+    const TargetFeature& feature = task.study.target->features[observation.feature];
+    for (const EdgeLine& found : observation.edge_lines) {
+      const Edge& edge = feature.edges[static_cast<size_t>(found.edge)];
+      problem.lines.push_back({edge.begin_m, edge.end_m, found.line.point, found.line.direction,
+                               found.line.covariance});
+    }
+  }
+}
+
+// Who makes the pose between two passes: where few features are found and lines may be used,
+// consensus with lines.
+const PoseSolver& solver_between(const Task& task, const std::vector<Observation>& observations,
+                                 PoseProblem& problem) {
+  constexpr int kEnoughFeatures = 5;
+  if (!task.setup.uses_lines || found_count(observations) >= kEnoughFeatures) {
+    return *find_pose_solver("orpe_weighed");
+  }
+  add_lines(task, observations, problem);
+  return *find_pose_solver("consensus");
+}
+
 // The pose of these observations and the prior. None where it cannot be had or the gate is shut.
 std::optional<PosePrior> improved(const Task& task, const std::vector<Observation>& observations,
                                   const PosePrior& prior, const Pose& start) {
@@ -91,8 +116,8 @@ std::optional<PosePrior> improved(const Task& task, const std::vector<Observatio
     problem.covariances_px2.push_back(observation.covariance_px2);
   }
   add_prior(task, prior, problem);
-  const PoseEstimate estimate =
-      find_pose_solver("orpe_weighed")->solve(problem, task.study.solving.options);
+  const PoseSolver& solver = solver_between(task, observations, problem);
+  const PoseEstimate estimate = solver.solve(problem, task.study.solving.options);
   if (estimate.status != PoseStatus::kOk) return std::nullopt;
   if (!passes_gate(task, prior.cam_from_target, estimate.cam_from_target)) return std::nullopt;
   return PosePrior{estimate.cam_from_target, estimate.covariance.value()};

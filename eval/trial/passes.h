@@ -23,10 +23,11 @@ struct Extraction {
 
 /// Extracts the study's features from a trial's frame around the prior in its record: a guest's
 /// answer where the set-up has one; otherwise in as many passes as it asks for: extract,
-/// solve (orpe_weighed, which the prior helps where few features are found), gate against the
-/// prior, extract again around the pose found. A pass that finds less than half of what the one
-/// before found is dropped. Of the scene only what a user would know is used: the camera, and, to
-/// remove the extractors' bias, target, light and background level.
+/// solve (orpe_weighed, which the prior helps where few features are found; where the set-up uses
+/// lines, consensus with them), gate against the prior, extract again around the pose found. A pass
+/// that finds less than half of what the one before found is dropped. Of the scene only what a user
+/// would know is used: the camera, and, to remove the extractors' bias, target, light and
+/// background level.
 Extraction extract(const ImageStudy& study, const TrialRecord& record, const Scene& scene,
                    const cv::Mat& image, Renderer& renderer);
 

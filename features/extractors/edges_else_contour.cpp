@@ -6,6 +6,7 @@
 // trailing edge blur into one and no line can be laid on either, but the bar and its end still hold
 // the tip.
 #include <algorithm>
+#include <utility>
 
 #include "features/extractors/extractors.h"
 #include "features/outline.h"
@@ -38,6 +39,10 @@ Observation extract_edges_else_contour(const ExtractionInput& input) {
                          by_edges.status != ObservationStatus::kParallelLines;
   if (has_edges || !stands_out(input)) return by_edges;
   Observation by_outline = extract_contour(input);
+  // What holds the feature by its outline is laid on the same edges.
+  if (by_outline.status != ObservationStatus::kFound) {
+    by_outline.edge_lines = std::move(by_edges.edge_lines);
+  }
   by_outline.covariance_px2 += kBarPx * kBarPx * Eigen::Matrix2d::Identity();
   return by_outline;
 }

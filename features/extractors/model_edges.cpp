@@ -7,6 +7,7 @@
 // of flat facets all that is seen around the feature is fitted as a whole, begun where lines agree
 // (features/facet_fit.h); where that explains the image down to the noise, the feature is where it
 // says.
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <utility>
@@ -174,6 +175,51 @@ std::vector<FoundLine> best_lines(const ModelLines& model) {
   return best;
 }
 
+// The standard deviation, px, at either end of a line of what its fit does not know of, where it
+// made no feature: mostly that is because another edge runs beside it, which draws it aside. An
+// upper estimate, of the lines of sightline study boeing-any-side --set extraction.use_lines=true
+constexpr double kAlonePx = 0.4;
+// The same of a rounded edge, whose outline turns with the light.
+constexpr double kSoftPx = 0.2;
+
+void add_floor(double sd_px, ImageLine& line) {
+  double half_px = 1;
+  for (const Eigen::Vector2d& pixel : line.edge_pixels) {
+    half_px = std::max(half_px, (pixel - line.point).norm());
+  }
+  const double variance_px2 = sd_px * sd_px / 2;  // at the middle, which is the mean of both ends
+  line.covariance(0, 0) += variance_px2;
+  line.covariance(1, 1) += variance_px2 / (half_px * half_px);
+}
+
+// What the lines say of their edges: all that they say where they did not make a feature, and what
+// they say beyond it where they did. A line that few samples of its edge support is left out.
+std::vector<EdgeLine> edge_lines_of(const std::vector<FoundLine>& found,
+                                    const Observation& observation) {
+  constexpr double kLeastSupport = 0.6;
+  constexpr double kFarthestPx = 400;  // off its edge pixels, where a line's slope still counts
+  std::vector<EdgeLine> edge_lines;
+  for (size_t i = 0; i < found.size(); ++i) {
+    if (found[i].support < kLeastSupport) continue;
+    std::optional<ImageLine> line = observation.lines[i];
+    if (observation.status == ObservationStatus::kFound) {
+      if (found[i].is_soft) add_floor(kSoftPx, *line);
+      line = beyond_offset_at(*line, observation.pixel, kFarthestPx);
+    } else {
+      add_floor(kAlonePx, *line);
+    }
+    if (line) edge_lines.push_back({found[i].edge, std::move(*line)});
+  }
+  return edge_lines;
+}
+
+// What the only edge that is to be seen says.
+std::vector<EdgeLine> only_line(const ModelLines& model) {
+  Observation alone;
+  for (const FoundLine& found : best_lines(model)) alone.lines.push_back(found.line);
+  return edge_lines_of(best_lines(model), alone);
+}
+
 // The observation found where the best lines meet, each refitted around the place where they met
 // before; or with the reason why they do not meet.
 Observation intersected(const ExtractionInput& input, const ModelLines& model,
@@ -182,7 +228,10 @@ Observation intersected(const ExtractionInput& input, const ModelLines& model,
   std::vector<ImageLine> lines;
   for (const FoundLine& line : found) lines.push_back(line.line);
   observation = found_at_meeting(std::move(observation), std::move(lines), kLeastMeetingDeg);
-  if (observation.status != ObservationStatus::kFound) return observation;
+  if (observation.status != ObservationStatus::kFound) {
+    observation.edge_lines = edge_lines_of(found, observation);
+    return observation;
+  }
   lines = observation.lines;
   for (size_t i = 0; i < found.size(); ++i) {
     auto line = refitted(input, found[i], observation.pixel, model.polarity);
@@ -195,6 +244,7 @@ Observation intersected(const ExtractionInput& input, const ModelLines& model,
   if (observation.status == ObservationStatus::kFound && is_loose(input, observation)) {
     observation.status = ObservationStatus::kParallelLines;
   }
+  observation.edge_lines = edge_lines_of(found, observation);
   return observation;
 }
 
@@ -236,8 +286,11 @@ Searched search(const ExtractionInput& input) {
         facets_fit(input, observation.window, model ? model->agreements : std::vector<Agreement>());
   }
   if (fit) return {explained_by(input, *fit, std::move(observation)), true};
-  if (model) return {intersected(input, *model, std::move(observation))};
+  if (model && model->of_edge.size() >= 2) {
+    return {intersected(input, *model, std::move(observation))};
+  }
   observation.status = ObservationStatus::kNoOutline;
+  if (model) observation.edge_lines = only_line(*model);
   return {std::move(observation)};
 }
 

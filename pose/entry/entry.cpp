@@ -24,6 +24,7 @@
 #include "pose/entry/judgement.h"
 #include "pose/entry/lens_noise.h"
 #include "pose/entry/residuals.h"
+#include "pose/lines/joint.h"
 #include "pose/solver.h"
 #include "pose/solvers/solvers.h"
 
@@ -185,6 +186,10 @@ PoseEstimate answer_in_units(const PoseSolver& solver, const PoseProblem& proble
 
 PoseEstimate PoseSolver::solve(const PoseProblem& problem, const SolverOptions& options) const {
   if (!entry::are_lists_of_one_length(problem)) return {};
+  if (!problem.lines.empty()) {
+    if (with_lines != nullptr) return with_lines(problem, options);
+    return solve(lines::points_of(problem), options);
+  }
   if (most_points > 0 && problem.pixels.size() > most_points) {
     PoseEstimate refused;
     refused.status = PoseStatus::kTooManyPoints;

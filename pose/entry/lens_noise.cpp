@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/LU>
 
 #include "pose/bounds.h"
 
@@ -31,14 +31,20 @@ std::vector<Eigen::Vector3d> kept_points(const PoseProblem& problem, const PoseE
 bool is_noise_bent(const PoseProblem& problem) {
   // Of a fisheye's angle: nearer the axis it shortens what is seen by less than a tenth.
   constexpr double kFarFromAxis = 0.3;
+  // Of the area of the noise, for Brown and Conrady's model, which most cameras have and which
+  // hardly bends what most of them see.
+  constexpr double kStretch = 0.15;
   const Camera& camera = problem.camera;
-  if (std::holds_alternative<BrownConrady>(camera.lens)) return false;
+  if (is_pinhole(camera.lens)) return false;
   if (!problem.covariances_px2.empty()) return false;
   if (!(problem.sigma_px > 0) || !std::isfinite(problem.sigma_px)) return false;
-  return std::ranges::any_of(problem.pixels, [&camera](const Eigen::Vector2d& pixel) {
-    const double x = (pixel.x() - camera.cx_px) / camera.fx_px;
-    const double y = (pixel.y() - camera.cy_px) / camera.fy_px;
-    return x * x + y * y > kFarFromAxis * kFarFromAxis;
+  const bool is_brown_conrady = std::holds_alternative<BrownConrady>(camera.lens);
+  return std::ranges::any_of(problem.pixels, [&](const Eigen::Vector2d& pixel) {
+    const Eigen::Vector2d seen((pixel.x() - camera.cx_px) / camera.fx_px,
+                               (pixel.y() - camera.cy_px) / camera.fy_px);
+    if (!(seen.squaredNorm() > kFarFromAxis * kFarFromAxis)) return false;
+    // At the place where the ray is seen, which is near it.
+    return !is_brown_conrady || std::abs(lens_jacobian(camera, seen).determinant() - 1) > kStretch;
   });
 }
 

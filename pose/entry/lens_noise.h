@@ -10,9 +10,9 @@
 
 namespace sightline::entry {
 
-/// True where a known noise is to be told so: covariances are not given, sigma is, and the lens is
-/// another than Brown and Conrady's and shows a point far from its axis. (That model bends little;
-/// its noise is taken to be the same without it.)
+/// True where a known noise is to be told so: covariances are not given, sigma is, and the lens
+/// shows a point far from its axis; one of Brown and Conrady's model, which bends little for most
+/// cameras, only where it stretches or shrinks what is seen there by a seventh.
 bool is_noise_bent(const PoseProblem& problem);
 
 /// The same problem with the noise as covariances, one a pixel.

@@ -29,6 +29,19 @@ inline Lanes load(const double* from) {
   return values;
 }
 
+/// (sum a, sum b, sum c, sum d).
+inline Lanes lane_sums(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d) {
+  const Lanes ab = __builtin_shuffle(a, b, Mask{0, 4, 2, 6}) +  //
+                   __builtin_shuffle(a, b, Mask{1, 5, 3, 7});
+  const Lanes cd = __builtin_shuffle(c, d, Mask{0, 4, 2, 6}) +  //
+                   __builtin_shuffle(c, d, Mask{1, 5, 3, 7});
+  return __builtin_shuffle(ab, cd, Mask{0, 1, 4, 5}) + __builtin_shuffle(ab, cd, Mask{2, 3, 6, 7});
+}
+
+inline bool is_any(const Mask& m) {
+  return (m[0] | m[1] | m[2] | m[3]) != 0;
+}
+
 /// Residuals and rows of the Jacobian by (w, dt). With q = R x, (a, b, z) = q + t, s = 1 / z and
 /// (u, v) = s (a, b) they are
 ///

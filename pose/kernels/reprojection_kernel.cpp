@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "pose/kernels/edge_lanes.h"
 #include "pose/kernels/factor.h"
 #include "pose/kernels/lanes.h"
 #include "pose/kernels/marquardt.h"
@@ -15,19 +16,6 @@
 
 namespace sightline::kernel {
 namespace {
-
-/// (sum a, sum b, sum c, sum d).
-inline Lanes sums(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d) {
-  const Lanes ab = __builtin_shuffle(a, b, Mask{0, 4, 2, 6}) +  //
-                   __builtin_shuffle(a, b, Mask{1, 5, 3, 7});
-  const Lanes cd = __builtin_shuffle(c, d, Mask{0, 4, 2, 6}) +  //
-                   __builtin_shuffle(c, d, Mask{1, 5, 3, 7});
-  return __builtin_shuffle(ab, cd, Mask{0, 1, 4, 5}) + __builtin_shuffle(ab, cd, Mask{2, 3, 6, 7});
-}
-
-inline bool is_any(const Mask& m) {
-  return (m[0] | m[1] | m[2] | m[3]) != 0;
-}
 
 inline bool evaluate(const PointLanes* points, std::size_t count, const RigidPose& pose,
                      NormalEquations& model) {
@@ -85,14 +73,19 @@ inline bool evaluate(const PointLanes* points, std::size_t count, const RigidPos
   if (is_any(is_behind)) return false;
   static_assert(sizeof model == 28 * sizeof(double));
   double* const out = &model.cost;
-  store(sums(0.5 * cost, g0, g1, g2), out);
-  store(sums(g3, g4, g5, h00), out + 4);
-  store(sums(h01, h02, h03, h04), out + 8);
-  store(sums(h05, h11, h12, h13), out + 12);
-  store(sums(h14, h15, h22, h23), out + 16);
-  store(sums(h24, h25, h33, h34), out + 20);
-  store(sums(h35, h44, h45, h55), out + 24);
+  store(lane_sums(0.5 * cost, g0, g1, g2), out);
+  store(lane_sums(g3, g4, g5, h00), out + 4);
+  store(lane_sums(h01, h02, h03, h04), out + 8);
+  store(lane_sums(h05, h11, h12, h13), out + 12);
+  store(lane_sums(h14, h15, h22, h23), out + 16);
+  store(lane_sums(h24, h25, h33, h34), out + 20);
+  store(lane_sums(h35, h44, h45, h55), out + 24);
   return true;
+}
+
+inline bool evaluate(const Observed& observed, const RigidPose& pose, NormalEquations& model) {
+  if (!evaluate(observed.points, observed.point_count, pose, model)) return false;
+  return observed.edge_count == 0 || add_edges(observed.edges, observed.edge_count, pose, model);
 }
 
 /// What the model says that a step gains: -g.delta - 1/2 delta.H delta, with (H + damping diag H)
@@ -152,15 +145,24 @@ inline bool is_in_front(const PointLanes* points, std::size_t count, const Rigid
   return !is_any(is_behind);
 }
 
-/// The fit of a pose to packed points, as the iteration of marquardt.h asks for it.
+inline bool is_in_front(const Observed& observed, const RigidPose& pose) {
+  if (!is_in_front(observed.points, observed.point_count, pose)) return false;
+  Mask is_undefined = {};
+  for (std::size_t i = 0; i < observed.edge_count; ++i) {
+    is_undefined |= edge_residual(observed.edges[i], pose).is_undefined;
+  }
+  return !is_any(is_undefined);
+}
+
+/// The fit of a pose to packed points and edges, as the iteration of marquardt.h asks for it.
 class LanesFit {
  public:
-  LanesFit(const PointLanes* lanes, std::size_t count, const RigidPose& start, double tolerance)
-      : lanes_(lanes), count_(count), tolerance_(tolerance) {
+  LanesFit(const Observed& observed, const RigidPose& start, double tolerance)
+      : observed_(observed), tolerance_(tolerance) {
     best().pose = start;
   }
 
-  bool evaluate_start() { return evaluate(lanes_, count_, best().pose, best().model); }
+  bool evaluate_start() { return evaluate(observed_, best().pose, best().model); }
   bool propose(double damping) {
     return solve_by_blocks(best().model.hessian, damping, best().model.gradient, delta_);
   }
@@ -169,7 +171,7 @@ class LanesFit {
   double cost() const { return best().model.cost; }
   bool evaluate_candidate() {
     candidate().pose = moved(best().pose, delta_);
-    return evaluate(lanes_, count_, candidate().pose, candidate().model);
+    return evaluate(observed_, candidate().pose, candidate().model);
   }
   double candidate_cost() const { return candidate().model.cost; }
   void accept() { best_ = 1 - best_; }
@@ -177,7 +179,7 @@ class LanesFit {
   /// the pose before it.
   void take_last_step() {
     const RigidPose last = moved(best().pose, delta_);
-    if (is_in_front(lanes_, count_, last)) best().pose = last;
+    if (is_in_front(observed_, last)) best().pose = last;
   }
 
   const RigidPose& pose() const { return best().pose; }
@@ -193,8 +195,7 @@ class LanesFit {
   Place& candidate() { return places_[1 - best_]; }
   const Place& candidate() const { return places_[1 - best_]; }
 
-  const PointLanes* lanes_;
-  std::size_t count_;
+  Observed observed_;
   double tolerance_;
   double delta_[6];
   /// One is the best so far and the other the candidate. When a candidate is accepted they change
@@ -212,9 +213,14 @@ bool normal_equations(const PointLanes* lanes, std::size_t count, const RigidPos
 }
 
 SIGHTLINE_MULTIVERSION
-Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int max_iterations,
+bool normal_equations(const Observed& observed, const RigidPose& pose, NormalEquations& model) {
+  return evaluate(observed, pose, model);
+}
+
+SIGHTLINE_MULTIVERSION
+Fit fit(const Observed& observed, const RigidPose& start, int max_iterations,
         double step_tolerance) {
-  LanesFit problem(lanes, count, start, usable_tolerance(step_tolerance));
+  LanesFit problem(observed, start, usable_tolerance(step_tolerance));
   Fit result;
   result.status = marquardt(problem, max_iterations, result.iterations);
   result.pose = problem.pose();

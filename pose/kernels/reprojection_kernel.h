@@ -24,6 +24,31 @@ struct alignas(32) PointLanes {
   double w_uu[kLanes], w_uv[kLanes], w_vv[kLanes];
 };
 
+/// Four straight edges side by side, each at one pixel that it was seen to pass. The edge goes
+/// through (x, y, z) along (dx, dy, dz); the pixel (u, v) is normalised, and (nu, nv) is one pixel
+/// across the line that was seen there, in the same coordinates. The residual is the way from the
+/// pixel to the edge along that normal, in pixels; `weight` multiplies its square. A lane whose
+/// weight is zero is not looked at.
+struct alignas(32) EdgeLanes {
+  double x[kLanes], y[kLanes], z[kLanes];
+  double dx[kLanes], dy[kLanes], dz[kLanes];
+  double u[kLanes], v[kLanes];
+  double nu[kLanes], nv[kLanes];
+  double weight[kLanes];
+};
+
+/// An edge that is seen to run nearly along the normal, by a squared sine less than this, has no
+/// residual.
+inline constexpr double kLeastCrossing2 = 0.05 * 0.05;
+
+/// What a pose is fitted to.
+struct Observed {
+  const PointLanes* points = nullptr;
+  std::size_t point_count = 0;  ///< of lanes, four points each
+  const EdgeLanes* edges = nullptr;
+  std::size_t edge_count = 0;
+};
+
 /// x_in_cam = rotation x + translation; the rotation row by row.
 struct RigidPose {
   double rotation[9];
@@ -42,6 +67,9 @@ struct NormalEquations {
 bool normal_equations(const PointLanes* lanes, std::size_t count, const RigidPose& pose,
                       NormalEquations& model);
 
+/// The same with edges, of which one without a residual counts as a point behind the camera.
+bool normal_equations(const Observed& observed, const RigidPose& pose, NormalEquations& model);
+
 struct Fit {
   FitStatus status;
   int iterations;
@@ -53,7 +81,7 @@ struct Fit {
 /// less than `step_tolerance` radians and moves by less than that part of the range. The short step
 /// with which it converges is still taken, unless it leads behind the camera, and not looked at
 /// again. Of a start behind the camera no model is given.
-Fit fit(const PointLanes* lanes, std::size_t count, const RigidPose& start, int max_iterations,
+Fit fit(const Observed& observed, const RigidPose& start, int max_iterations,
         double step_tolerance);
 
 /// The inverse of a symmetric positive definite 6x6 matrix, upper triangles row by row. False

@@ -73,6 +73,20 @@ std::optional<Pose> initial_from(const std::optional<Doubles>& matrix) {
   return is_valid(pose_from(*matrix)) ? pose_from(*matrix) : pose;
 }
 
+// Rows of two points of an edge, two pixels of its line and sigma.
+std::vector<LineObservation> lines_from(const std::optional<Doubles>& rows) {
+  std::vector<LineObservation> lines;
+  if (!rows) return lines;
+  const auto row = rows->unchecked<2>();
+  for (py::ssize_t i = 0; i < row.shape(0); ++i) {
+    LineObservation& line = lines.emplace_back(
+        line_through({row(i, 6), row(i, 7)}, {row(i, 8), row(i, 9)}, row(i, 10)));
+    line.begin_in_target = {row(i, 0), row(i, 1), row(i, 2)};
+    line.end_in_target = {row(i, 3), row(i, 4), row(i, 5)};
+  }
+  return lines;
+}
+
 PoseProblem problem_from(const Doubles& points, const Doubles& pixels, const py::tuple& camera,
                          double sigma_px, const std::optional<Doubles>& covariances,
                          const std::optional<Doubles>& initial) {
@@ -91,14 +105,20 @@ py::tuple solve_problem(const Doubles& points, const Doubles& pixels, const py::
                         const std::optional<Doubles>& covariances,
                         const std::optional<Doubles>& initial,
                         const std::optional<std::vector<bool>>& true_inliers,
-                        const std::vector<std::string>& settings) {
+                        const std::vector<std::string>& settings,
+                        const std::optional<Doubles>& lines) {
   const PoseSolver& chosen = solver_named(solver);
+  if (lines && chosen.with_lines == nullptr) {
+    throw InputError(
+        fmt::format("solve: solver '{}' uses no lines; consensus and lspe do", solver));
+  }
   if (chosen.evaluation_only && !true_inliers) {
     throw InputError(fmt::format("solve: solver '{}' needs true_inliers", solver));
   }
   const SolverOptions options = options_from(settings);
   PoseProblem problem = problem_from(points, pixels, camera, sigma_px, covariances, initial);
   if (true_inliers) problem.true_inliers = *true_inliers;
+  problem.lines = lines_from(lines);
   PoseEstimate estimate;
   {
     const LongCall call;
@@ -181,7 +201,8 @@ py::tuple tuple_of(const PoseEstimate& estimate) {
   return py::make_tuple(to_string(estimate.status), matrix_of(estimate.cam_from_target),
                         estimate.removed, covariance, array_of(estimate.unit_covariance), diagnosis,
                         estimate.iterations, estimate.ignored, estimate.residual_rms_px, second,
-                        estimate.noise_px, estimate.inlier_probabilities);
+                        estimate.noise_px, estimate.inlier_probabilities, estimate.removed_lines,
+                        estimate.ignored_lines);
 }
 
 void bind_pose(py::module_& module) {

@@ -145,6 +145,8 @@ class PoseEstimate:
     noise: Optional[float] = None
     #: of each point, 0 to 1; only from consensus
     inlier_probabilities: Optional[np.ndarray] = None
+    removed_lines: tuple[int, ...] = ()  #: places of the lines judged outliers, ascending
+    ignored_lines: tuple[int, ...] = ()  #: places of the lines that could not be used, ascending
 
     @property
     def is_ok(self) -> bool:
@@ -163,15 +165,17 @@ class PoseEstimate:
 
 def _estimate_from(answer: tuple, sigma: float) -> PoseEstimate:
     (status, pose, removed, covariance, unit, diagnosis, iterations, ignored, rms, second, noise,
-     probabilities) = answer
+     probabilities, removed_lines, ignored_lines) = answer
     if status != "ok":
-        return PoseEstimate(status, iterations=iterations, ignored=tuple(ignored))
+        return PoseEstimate(status, iterations=iterations, ignored=tuple(ignored),
+                            ignored_lines=tuple(ignored_lines))
     if covariance is None and sigma > 0 and unit.any():
         covariance = sigma**2 * unit
     return PoseEstimate(
         status, pose, tuple(removed), covariance, unit,
         None if diagnosis is None else Diagnosis(*diagnosis), iterations, tuple(ignored), rms,
-        second, noise, None if probabilities is None else np.array(probabilities))
+        second, noise, None if probabilities is None else np.array(probabilities),
+        tuple(removed_lines), tuple(ignored_lines))
 
 
 def solve(
@@ -185,8 +189,9 @@ def solve(
     initial: Optional[npt.ArrayLike] = None,
     options: Optional[Mapping[str, Any]] = None,
     true_inliers: Optional[npt.ArrayLike] = None,
+    lines: Optional[npt.ArrayLike] = None,
 ) -> PoseEstimate:
-    """The pose of a target from n of its points and where the camera saw them.
+    """The pose of a target from n of its points and where the camera saw them, or edges as lines.
 
     points        n x 3, metres, in the target's frame
     pixels        n x 2; pixel centres at whole coordinates (see Camera)
@@ -196,6 +201,9 @@ def solve(
     initial       4 x 4, where to start; None: the solver finds starts of its own
     options       keys of a study's table [solver], such as {"rho": 10, "max_removed": 2}
     true_inliers  n flags, for the solver "oracle" alone, which exists to judge others by
+    lines         m x 11, straight edges of the target seen as lines, for the solvers consensus and
+                  lspe: two points of the edge (6 numbers, metres), two pixels of the line, anywhere
+                  along it (4), and the standard deviation across it at either pixel
 
     Points that cannot be used (a number that is not finite, a pixel that the lens model cannot
     undo, a covariance that is not positive definite) are left out and listed in `ignored`. What can
@@ -208,9 +216,12 @@ def solve(
     if true_inliers is not None:
         true_inliers = _checks.array("solve: true_inliers", true_inliers, (count,)).astype(bool)
         true_inliers = true_inliers.tolist()
+    of_lines = None
+    if lines is not None:
+        of_lines = _checks.array("solve: lines", lines, (None, 11), finite=False)
     settings = _checks.settings("solve: options", options, "solver.")
     answer = _sightline.solve(of_points, of_pixels, camera._numbers(), solver, noise, covariance,
-                              initial, true_inliers, settings)
+                              initial, true_inliers, settings, of_lines)
     return _estimate_from(answer, noise)
 
 

@@ -46,6 +46,36 @@ def test_exact_pixels_give_the_exact_pose(solver):
     assert np.array_equal(estimate.translation, estimate.cam_from_target[:3, 3])
 
 
+def cube_edges():
+    """Of each edge its two points, two pixels of its line and a sigma of a tenth of a pixel."""
+    ends = [(i, j) for i, j in itertools.combinations(range(8), 2)
+            if np.count_nonzero(CUBE[i] - CUBE[j]) == 1]
+    pixels = seen()
+    return np.array([[*CUBE[i], *CUBE[j], *(0.8 * pixels[i] + 0.2 * pixels[j]),
+                      *(0.3 * pixels[i] + 0.7 * pixels[j]), 0.1] for i, j in ends])
+
+
+@pytest.mark.parametrize("solver", ["consensus", "lspe"])
+def test_edges_seen_as_lines_give_the_pose_without_a_point(solver):
+    nothing = np.empty((0, 3)), np.empty((0, 2))
+    start = TRUTH.copy()
+    start[:3, 3] += [0.1, -0.05, 0.2]
+    estimate = sl.solve(*nothing, CAMERA, solver, lines=cube_edges(), initial=start)
+    assert estimate.is_ok
+    assert np.abs(estimate.cam_from_target - TRUTH).max() < EXACT
+
+
+def test_a_wrong_line_is_removed_and_a_useless_one_ignored():
+    lines = cube_edges()
+    lines[4, 6:10] += [7, 9, 7, 9]
+    lines[7, :3] = lines[7, 3:6]
+    estimate = sl.solve(CUBE, seen(), CAMERA, "consensus", sigma=0.1, lines=lines)
+    assert estimate.removed_lines == (4,) and estimate.ignored_lines == (7,)
+    assert np.abs(estimate.cam_from_target - TRUTH).max() < EXACT
+    with pytest.raises(sl.InputError, match="uses no lines"):
+        sl.solve(CUBE, seen(), CAMERA, "orpe", lines=lines)
+
+
 def test_an_outlier_is_removed_and_said_so():
     pixels = seen()
     pixels[3] += [25, -14]

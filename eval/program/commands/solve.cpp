@@ -15,6 +15,7 @@
 #include "eval/solve/camera_file.h"
 #include "eval/solve/number_rows.h"
 #include "pose/entry/all_poses.h"
+#include "pose/line_observation.h"
 #include "pose/robust_alignment.h"
 #include "pose/solver.h"
 #include "scenes/files/input_error.h"
@@ -26,6 +27,7 @@ constexpr int kNoAnswerExit = 1;
 
 struct SolveArguments {
   std::string points;
+  std::string lines;
   std::string camera;
   std::string solver = "consensus";
   double sigma_px = 0;
@@ -33,10 +35,34 @@ struct SolveArguments {
   bool is_json = false;
 };
 
+// The lines of a file, each through two pixels. What its row does not say of the noise is that of
+// --sigma, else a pixel.
+std::vector<LineObservation> read_lines(const SolveArguments& arguments) {
+  std::vector<LineObservation> lines;
+  const auto rows = read_number_rows(arguments.lines, 10, 11, "X Y Z X Y Z u v u v [sigma]");
+  for (const std::vector<double>& row : rows) {
+    const double known_px = arguments.sigma_px > 0 ? arguments.sigma_px : 1;
+    LineObservation line =
+        line_through({row[6], row[7]}, {row[8], row[9]}, row.size() == 11 ? row[10] : known_px);
+    line.begin_in_target = {row[0], row[1], row[2]};
+    line.end_in_target = {row[3], row[4], row[5]};
+    if (!is_usable(line)) {
+      throw InputError(fmt::format(
+          "{}: row {} is no line: its two points and its two pixels must differ, its numbers be "
+          "finite and its sigma above 0",
+          arguments.lines, lines.size() + 1));
+    }
+    lines.push_back(line);
+  }
+  return lines;
+}
+
 PoseProblem read_problem(const SolveArguments& arguments) {
   PoseProblem problem;
   problem.camera = read_camera_file(arguments.camera);
   problem.sigma_px = arguments.sigma_px;
+  if (!arguments.lines.empty()) problem.lines = read_lines(arguments);
+  if (arguments.points.empty()) return problem;
   for (const auto& row : read_number_rows(arguments.points, 5, 6, "X Y Z u v [sigma]")) {
     problem.points_in_target.emplace_back(row[0], row[1], row[2]);
     problem.pixels.emplace_back(row[3], row[4]);
@@ -59,6 +85,15 @@ int run_solve(const SolveArguments& arguments) {
     }
     throw InputError(fmt::format("--solver {}: cannot be asked{}", arguments.solver,
                                  suggestion(arguments.solver, names)));
+  }
+  if (arguments.points.empty() && arguments.lines.empty()) {
+    throw InputError("solve: give a file of points, --lines FILE, or both");
+  }
+  if (!arguments.lines.empty() && (solver->with_lines == nullptr || arguments.wants_all)) {
+    throw InputError(fmt::format("--lines {}: {}", arguments.lines,
+                                 arguments.wants_all
+                                     ? "--all looks at points alone"
+                                     : "only consensus and lspe use lines (--solver)"));
   }
   const PoseProblem problem = read_problem(arguments);
   const PoseEstimate estimate = solver->solve(problem);
@@ -113,8 +148,12 @@ void add_solve(CLI::App& app, int& exit_code) {
   CLI::App* sub = app.add_subcommand("solve", "The pose from a file of points and their pixels");
   sub->add_option("points", arguments->points,
                   "File of X Y Z (metres, target) u v (pixels) [sigma (px)] a line; separated by "
-                  "commas, tabs or spaces")
-      ->required();
+                  "commas, tabs or spaces");
+  sub->add_option(
+      "--lines", arguments->lines,
+      "File of straight edges seen as lines, beside points or in their place: X Y Z X Y "
+      "Z (metres, two points of the edge) u v u v (two pixels of the line, anywhere "
+      "along it) [sigma (px, across the line at either pixel)] a line");
   sub->add_option(
          "--camera", arguments->camera,
          "Calibration of OpenCV (.yaml, .json, .xml), Kalibr (.yaml) or COLMAP (cameras.txt), or a "

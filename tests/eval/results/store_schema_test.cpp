@@ -68,13 +68,15 @@ TEST_F(StoreSchemaTest, IsNotOpenedFromAnotherVersion) {
                    "results of version 1; this program reads versions 4 to 5");
 }
 
-// What the schema of version 4 had, which knew nothing of what solvers say of themselves.
+// What the schema of version 4 had, which knew nothing of what solvers say of themselves, nor of
+// lines.
 void make_older(const std::filesystem::path& file) {
   SQLite::Database database(file.string(), SQLite::OPEN_READWRITE);
-  for (const char* column :
-       {"ambiguous", "removed_probability", "removal_limit_reached", "test_failed"}) {
+  for (const char* column : {"ambiguous", "removed_probability", "removal_limit_reached",
+                             "test_failed", "removed_lines"}) {
     database.exec(fmt::format("ALTER TABLE estimates DROP COLUMN {}", column));
   }
+  database.exec("DROP TABLE lines");
   database.exec("PRAGMA user_version = 4");
 }
 
@@ -85,7 +87,9 @@ TrialRecord as_in_version_4(TrialRecord trial) {
     estimate.removed_probability.reset();
     estimate.is_removal_limit_reached.reset();
     estimate.is_test_failed.reset();
+    estimate.removed_lines.clear();
   }
+  trial.pose_trial().lines.clear();
   return trial;
 }
 

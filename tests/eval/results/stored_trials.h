@@ -7,6 +7,7 @@
 
 #include <bit>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 #include <variant>
@@ -71,6 +72,21 @@ inline void expect_same(const ObservationRecord& a, const ObservationRecord& b) 
   EXPECT_EQ(a.label, b.label);
 }
 
+inline void expect_same(const LineRecord& a, const LineRecord& b) {
+  EXPECT_EQ(a.feature, b.feature);
+  EXPECT_EQ(a.edge, b.edge);
+  EXPECT_EQ(a.label, b.label);
+  for (const int i : {0, 1}) {
+    expect_same_bits(a.pixel[i], b.pixel[i]);
+    expect_same_bits(a.direction[i], b.direction[i]);
+  }
+  expect_same_bits(a.offset_variance_px2, b.offset_variance_px2);
+  expect_same_bits(a.offset_slope_covariance, b.offset_slope_covariance);
+  expect_same_bits(a.slope_variance, b.slope_variance);
+  expect_same_bits(a.offset_px, b.offset_px);
+  expect_same_bits(a.error_sigmas, b.error_sigmas);
+}
+
 inline void expect_same(const EstimateRecord& a, const EstimateRecord& b) {
   EXPECT_EQ(a.solver, b.solver);
   EXPECT_EQ(a.status, b.status);
@@ -83,6 +99,7 @@ inline void expect_same(const EstimateRecord& a, const EstimateRecord& b) {
   expect_same_bits(a.mssd_m, b.mssd_m);
   expect_same_bits(a.mspd_px, b.mspd_px);
   EXPECT_EQ(a.removed, b.removed);
+  EXPECT_EQ(a.removed_lines, b.removed_lines);
   EXPECT_EQ(a.false_removals, b.false_removals);
   EXPECT_EQ(a.missed_outliers, b.missed_outliers);
   EXPECT_EQ(a.nees, b.nees);
@@ -132,6 +149,7 @@ inline void expect_same(const TrialRecord& a, const TrialRecord& b) {
               bits_of(b.pose_trial().prior_cam_from_target));
   }
   expect_same(a.observations(), b.observations());
+  expect_same(a.lines(), b.lines());
   expect_same(a.estimates(), b.estimates());
   expect_same(a.orientations(), b.orientations());
 }
@@ -156,6 +174,7 @@ inline EstimateRecord drawn_estimate(const char* solver, RandomStream& random) {
     *number = random.normal();
   }
   e.removed = {"nose", "an 'odd', \"name\" °"};
+  e.removed_lines = {"nose/1"};
   e.false_removals = 1;
   e.missed_outliers = 2;
   e.covariance = drawn_covariance(random);
@@ -182,6 +201,18 @@ inline TrialRecord drawn_trial(int64_t number) {
     pose_trial.observations.push_back({feature, ObservationOutcome::kFound, random.uniform() < 0.5,
                                        pixel, true_pixel, random.normal(), random.normal(),
                                        random.uniform() < 0.5, ObservationLabel::kWrongLine});
+  }
+  for (const char* feature : {"fin_tip", "nose"}) {
+    LineRecord& line = pose_trial.lines.emplace_back();
+    line.feature = feature;
+    line.edge = static_cast<int>(3 * random.uniform());
+    line.label = random.uniform() < 0.5 ? LineLabel::kRight : LineLabel::kWrong;
+    for (double* value : {&line.pixel.x(), &line.pixel.y(), &line.direction.x(),
+                          &line.direction.y(), &line.offset_variance_px2,
+                          &line.offset_slope_covariance, &line.offset_px, &line.error_sigmas}) {
+      *value = random.normal();
+    }
+    line.slope_variance = std::numeric_limits<double>::infinity();
   }
   for (const char* solver : {"orpe", "lspe"}) {
     pose_trial.estimates.push_back(drawn_estimate(solver, random));

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pose/edge_points.h"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+namespace sightline {
+namespace {
+
+/// A place along a line and the variance of its offset there.
+struct Offset {
+  double along_px;
+  double variance_px2;
+};
+
+/// Offsets that err independently and together say what the line says.
+std::array<Offset, 2> independent_offsets(const Eigen::Matrix2d& covariance) {
+  const double pivot_px = -covariance(0, 1) / covariance(1, 1);
+  const double variance_px2 =
+      covariance(0, 0) - covariance(0, 1) * covariance(0, 1) / covariance(1, 1);
+  const double half_px = std::sqrt(variance_px2 / covariance(1, 1));
+  return {{{pivot_px - half_px, 2 * variance_px2}, {pivot_px + half_px, 2 * variance_px2}}};
+}
+
+/// The edge point of a pixel on a line. The lens turns the line and stretches the way across it.
+std::optional<EdgePoint> edge_point(const LineObservation& line, const Camera& camera,
+                                    const Offset& offset) {
+  const Eigen::Vector2d direction = line.direction.normalized();
+  const Eigen::Vector2d normal(-direction.y(), direction.x());
+  const auto ray = normalised_from_pixel(camera, line.pixel + offset.along_px * direction);
+  if (!ray) return std::nullopt;
+  Eigen::Matrix2d ray_per_px =
+      Eigen::Vector2d(1 / camera.fx_px, 1 / camera.fy_px).asDiagonal().toDenseMatrix();
+  if (!is_straight(camera)) ray_per_px *= lens_jacobian(camera, *ray).inverse();
+  const Eigen::Vector2d along = (ray_per_px * direction).normalized();
+  const Eigen::Vector2d across(-along.y(), along.x());
+  EdgePoint point;
+  point.begin_in_target = line.begin_in_target;
+  point.end_in_target = line.end_in_target;
+  point.ray = *ray;
+  point.normal_per_px = across.dot(ray_per_px * normal) * across;
+  point.variance_px2 = offset.variance_px2;
+  return point;
+}
+
+}  // namespace
+
+std::optional<EdgePoints> edge_points_of(const LineObservation& line, const Camera& camera) {
+  if (!is_usable(line)) return std::nullopt;
+  EdgePoints points;
+  const auto add = [&](const Offset& offset) {
+    const auto point = edge_point(line, camera, offset);
+    if (point) points.add(*point);
+    return point.has_value();
+  };
+  if (!std::isfinite(line.covariance(1, 1))) {
+    if (!add({0, line.covariance(0, 0)})) return std::nullopt;
+    return points;
+  }
+  for (const Offset& offset : independent_offsets(line.covariance)) {
+    if (!add(offset)) return std::nullopt;
+  }
+  return points;
+}
+
+std::optional<EdgeResidual> edge_residual(const EdgePoint& point, const Pose& cam_from_target) {
+  const Eigen::Vector3d p = cam_from_target.rotation * point.begin_in_target;
+  const Eigen::Vector3d a = p + cam_from_target.translation;
+  const Eigen::Vector3d d =
+      cam_from_target.rotation * (point.end_in_target - point.begin_in_target);
+  const Eigen::Vector3d q = point.ray.homogeneous();
+  const Eigen::Vector3d n(point.normal_per_px.x(), point.normal_per_px.y(), 0);
+  // The plane through the camera and the edge has the normal a x d, so that the edge passes where
+  // (a x d) . (q + residual n) = 0.
+  const Eigen::Vector3d plane = a.cross(d);
+  const double m = plane.dot(n);
+  const double tilt2 = plane.head<2>().squaredNorm() * n.squaredNorm();
+  if (!(m * m > kernel::kLeastCrossing2 * tilt2)) return std::nullopt;
+  EdgeResidual result;
+  result.residual_px = -plane.dot(q) / m;
+  const Eigen::Vector3d place = q + result.residual_px * n;
+  const Eigen::Vector3d c = d.cross(place);
+  const double inverse_depth = -c.dot(n) / m;
+  if (!(inverse_depth > 0)) return std::nullopt;
+  result.jacobian << -(p.cross(c) + d.cross(place.cross(a))).transpose() / m, -c.transpose() / m;
+  return result;
+}
+
+PackedEdges::PackedEdges(std::span<const EdgePoint> points, const Eigen::Vector3d& origin_in_target)
+    : count_((points.size() + kernel::kLanes - 1) / kernel::kLanes) {
+  if (count_ > kInline) heap_.resize(count_);
+  for (std::size_t i = 0; i < count_ * kernel::kLanes; ++i) {
+    kernel::EdgeLanes& e = data()[i / kernel::kLanes];
+    const std::size_t lane = i % kernel::kLanes;
+    // Lanes of no weight hold an edge all the same, so that no number in them is undefined.
+    const bool is_there = i < points.size();
+    const EdgePoint point = is_there ? points[i] : EdgePoint{};
+    const Eigen::Vector3d begin = point.begin_in_target - origin_in_target;
+    const Eigen::Vector3d along = point.end_in_target - point.begin_in_target;
+    e.x[lane] = begin.x();
+    e.y[lane] = begin.y();
+    e.z[lane] = begin.z();
+    e.dx[lane] = along.x();
+    e.dy[lane] = along.y();
+    e.dz[lane] = along.z();
+    e.u[lane] = point.ray.x();
+    e.v[lane] = point.ray.y();
+    e.nu[lane] = point.normal_per_px.x();
+    e.nv[lane] = point.normal_per_px.y();
+    e.weight[lane] = is_there ? 1 / point.variance_px2 : 0;
+  }
+}
+
+void PackedEdges::set_weight(std::size_t point, double weight) {
+  data()[point / kernel::kLanes].weight[point % kernel::kLanes] = weight;
+}
+
+}  // namespace sightline

@@ -1,0 +1,250 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+#include "pose/lines/joint.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "pose/consensus/cloud.h"
+
+namespace sightline::lines {
+namespace {
+
+/// The inverse covariance of a point in pixels without lens.
+Eigen::Matrix2d weight_of(const PoseProblem& problem, std::size_t i, const Eigen::Vector2d& ray) {
+  const Eigen::Matrix2d lens = lens_jacobian(problem.camera, ray);
+  if (!problem.covariances_px2.empty()) {
+    return lens.transpose() * problem.covariances_px2[i].inverse() * lens;
+  }
+  const double sigma_px = problem.sigma_px > 0 ? problem.sigma_px : 1;
+  return lens.transpose() * lens / (sigma_px * sigma_px);
+}
+
+void add_points(const PoseProblem& problem, Joint& joint) {
+  const Camera& camera = problem.camera;
+  joint.ignored = consensus::unusable_points(problem);
+  joint.points.points_in_centred.reserve(problem.pixels.size());
+  joint.points.pixels.reserve(problem.pixels.size());
+  joint.point_weights.reserve(problem.pixels.size());
+  for (std::size_t i = 0; i < problem.pixels.size(); ++i) {
+    const int index = static_cast<int>(i);
+    if (std::ranges::binary_search(joint.ignored, index)) continue;
+    const auto ray = normalised_from_pixel(camera, problem.pixels[i]);
+    if (!ray) continue;
+    joint.observed.push_back({index, false, joint.points.size(), 2});
+    joint.points.points_in_centred.push_back(problem.points_in_target[i]);
+    joint.points.pixels.emplace_back(camera.fx_px * ray->x(), camera.fy_px * ray->y());
+    joint.point_weights.push_back(weight_of(problem, i, *ray));
+  }
+}
+
+void add_lines(const PoseProblem& problem, Joint& joint) {
+  joint.edges.reserve(2 * problem.lines.size());
+  for (std::size_t i = 0; i < problem.lines.size(); ++i) {
+    const int index = static_cast<int>(i);
+    const auto points = edge_points_of(problem.lines[i], problem.camera);
+    if (!points) {
+      joint.ignored_lines.push_back(index);
+      continue;
+    }
+    joint.observed.push_back({index, true, joint.edges.size(), static_cast<int>(points->size())});
+    joint.edges.insert(joint.edges.end(), points->begin(), points->end());
+  }
+}
+
+/// The middle of all that is seen of the target.
+void centre(Joint& joint) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& p : joint.points.points_in_centred) sum += p;
+  for (const EdgePoint& edge : joint.edges) {
+    sum += (edge.begin_in_target + edge.end_in_target) / 2;
+  }
+  joint.points.centroid_in_target =
+      sum / static_cast<double>(joint.points.size() + joint.edges.size());
+  for (Eigen::Vector3d& p : joint.points.points_in_centred) p -= joint.points.centroid_in_target;
+}
+
+/// The packed observations, each of its weight.
+struct Packed {
+  PackedPoints points;
+  PackedEdges edges;
+
+  Packed(const Joint& joint, std::span<const double> weights)
+      : points(joint.packed_points()), edges(joint.packed_edges()) {
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      const Observed& observed = joint.observed[i];
+      if (!observed.is_line) {
+        points.scale_weight(observed.first, weights[i]);
+        continue;
+      }
+      for (std::size_t k = observed.first; k < observed.first + observed.numbers; ++k) {
+        edges.set_weight(k, weights[i] / joint.edges[k].variance_px2);
+      }
+    }
+  }
+
+  kernel::Observed observed() const {
+    return {points.lanes().data(), points.lanes().size(), edges.lanes().data(),
+            edges.lanes().size()};
+  }
+};
+
+/// Attitudes spread evenly (Alexa, "Super-Fibonacci spirals", CVPR 2022).
+Eigen::Matrix3d spread_attitude(int index, int count) {
+  constexpr double kPsi = 1.533751168755204288118041;
+  const double s = index + 0.5;
+  const double inner = std::sqrt(s / count), outer = std::sqrt(1 - s / count);
+  const double a = 2 * std::numbers::pi * s / std::numbers::sqrt2;
+  const double b = 2 * std::numbers::pi * s / kPsi;
+  return rotation_from_quaternion_wxyz(
+      {inner * std::sin(a), inner * std::cos(a), outer * std::sin(b), outer * std::cos(b)});
+}
+
+/// The rows (a, b) of a . t = b that an attitude leaves of the position.
+class PositionRows {
+ public:
+  void add(const Eigen::Vector3d& a, double b) {
+    const double length2 = a.squaredNorm();
+    if (!(length2 > 0)) return;
+    normal_ += a * a.transpose() / length2;
+    right_ += a * b / length2;
+  }
+  Eigen::Vector3d solution() const { return normal_.ldlt().solve(right_); }
+
+ private:
+  Eigen::Matrix3d normal_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right_ = Eigen::Vector3d::Zero();
+};
+
+Eigen::Vector3d position_at(const Joint& joint, const Eigen::Matrix3d& rotation) {
+  PositionRows rows;
+  for (std::size_t i = 0; i < joint.points.size(); ++i) {
+    const Eigen::Vector3d x = rotation * joint.points.points_in_centred[i];
+    const Eigen::Vector2d& pixel = joint.points.pixels[i];
+    const Eigen::Vector3d u(1, 0, -pixel.x() / joint.points.fx_px);
+    const Eigen::Vector3d v(0, 1, -pixel.y() / joint.points.fy_px);
+    rows.add(u, -u.dot(x));
+    rows.add(v, -v.dot(x));
+  }
+  for (const EdgePoint& edge : joint.edges) {
+    const Eigen::Vector3d begin =
+        rotation * (edge.begin_in_target - joint.points.centroid_in_target);
+    const Eigen::Vector3d along = rotation * (edge.end_in_target - edge.begin_in_target);
+    const Eigen::Vector3d plane = along.cross(edge.ray.homogeneous());
+    rows.add(plane, -plane.dot(begin));
+  }
+  return rows.solution();
+}
+
+}  // namespace
+
+PreparedJoint prepare_joint(const PoseProblem& problem) {
+  PreparedJoint prepared;
+  Joint& joint = prepared.joint;
+  const std::size_t fewest = problem.initial_cam_from_target ? kFewestFromInitial : kFewest;
+  if (problem.pixels.size() + problem.lines.size() < fewest) {
+    prepared.status = PoseStatus::kTooFewPoints;
+    return prepared;
+  }
+  const Camera& camera = problem.camera;
+  const bool has_focal = camera.fx_px > 0 && camera.fy_px > 0 && std::isfinite(camera.fx_px) &&
+                         std::isfinite(camera.fy_px);
+  if (!has_focal || !(problem.sigma_px >= 0)) return prepared;
+  joint.points.fx_px = camera.fx_px;
+  joint.points.fy_px = camera.fy_px;
+  joint.is_noise_known =
+      !problem.covariances_px2.empty() || problem.sigma_px > 0 || problem.pixels.empty();
+  joint.observed.reserve(problem.pixels.size() + problem.lines.size());
+  add_points(problem, joint);
+  add_lines(problem, joint);
+  if (joint.observed.size() < fewest) return prepared;
+  centre(joint);
+  const std::optional<Pose> initial = consensus::rigid_pose(problem.initial_cam_from_target);
+  if (initial) joint.initial_cam_from_centred = to_centred(*initial, joint.points);
+  prepared.status = PoseStatus::kOk;
+  return prepared;
+}
+
+double image_unit_px(const Joint& joint) {
+  std::vector<Eigen::Vector2d> pixels = joint.points.pixels;
+  std::vector<double> noises_px;
+  for (const Eigen::Matrix2d& weight : joint.point_weights) {
+    noises_px.push_back(std::pow(weight.determinant(), -0.25));
+  }
+  for (const EdgePoint& edge : joint.edges) {
+    pixels.emplace_back(joint.points.fx_px * edge.ray.x(), joint.points.fy_px * edge.ray.y());
+    noises_px.push_back(std::sqrt(edge.variance_px2));
+  }
+  const auto middle = noises_px.begin() + static_cast<std::ptrdiff_t>(noises_px.size() / 2);
+  std::ranges::nth_element(noises_px, middle);
+  return consensus::image_unit_px(pixels, joint.is_noise_known ? *middle : 0);
+}
+
+std::optional<double> squares_of(const Joint& joint, const Observed& observed,
+                                 const Pose& cam_from_centred) {
+  if (!observed.is_line) {
+    const auto r = residual_px(joint.points, observed.first, cam_from_centred);
+    if (!r) return std::nullopt;
+    return r->dot(joint.point_weights[observed.first] * *r);
+  }
+  const Pose cam_from_target = from_centred(cam_from_centred, joint.points);
+  double squares = 0;
+  for (std::size_t k = observed.first; k < observed.first + observed.numbers; ++k) {
+    const auto r = edge_residual(joint.edges[k], cam_from_target);
+    if (!r) return std::nullopt;
+    squares += r->residual_px * r->residual_px / joint.edges[k].variance_px2;
+  }
+  return squares;
+}
+
+kernel::Fit fit(const Joint& joint, std::span<const double> weights, const Pose& start,
+                int max_iterations, double step_tolerance) {
+  const Packed packed(joint, weights);
+  return kernel::fit(packed.observed(), rigid_from(start), max_iterations, step_tolerance);
+}
+
+std::optional<Matrix6d> information_at(const Joint& joint, std::span<const double> weights,
+                                       const Pose& cam_from_centred) {
+  const Packed packed(joint, weights);
+  kernel::NormalEquations model;
+  if (!kernel::normal_equations(packed.observed(), rigid_from(cam_from_centred), model)) {
+    return std::nullopt;
+  }
+  return hessian_of(model);
+}
+
+std::vector<Pose> starts_over_attitudes(const Joint& joint) {
+  constexpr int kAttitudes = 80;  // none is farther than some 40 degrees from one of them
+  std::vector<Pose> starts;
+  for (int i = 0; i < kAttitudes; ++i) {
+    Pose start;
+    start.rotation = spread_attitude(i, kAttitudes);
+    start.translation = position_at(joint, start.rotation);
+    if (start.translation.allFinite() && start.translation.z() > 0) starts.push_back(start);
+  }
+  return starts;
+}
+
+std::vector<Pose> starts_of(const Joint& joint, const PoseEstimate& from_points) {
+  std::vector<Pose> starts;
+  if (from_points.status == PoseStatus::kOk) {
+    starts.push_back(to_centred(from_points.cam_from_target, joint.points));
+    if (from_points.second_cam_from_target) {
+      starts.push_back(to_centred(*from_points.second_cam_from_target, joint.points));
+    }
+  }
+  if (joint.initial_cam_from_centred) starts.push_back(*joint.initial_cam_from_centred);
+  return starts.empty() ? starts_over_attitudes(joint) : starts;
+}
+
+PoseProblem points_of(PoseProblem problem) {
+  problem.lines.clear();
+  return problem;
+}
+
+}  // namespace sightline::lines

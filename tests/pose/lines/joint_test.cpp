@@ -1,0 +1,209 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: Apache-2.0
+//
+// Poses of points and lines together.
+#include <cmath>
+#include <string>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "pose/bounds.h"
+#include "pose/solver.h"
+#include "tests/pose/lines/seen_lines.h"
+
+namespace sightline {
+namespace {
+
+const PoseSolver& solver(const char* name) {
+  return *find_pose_solver(name);
+}
+
+double nees(const PoseEstimate& estimate, const Pose& truth) {
+  const Vector6d error = change_between(truth, estimate.cam_from_target);
+  return error.dot(estimate.covariance.value().inverse() * error);
+}
+
+double turn_rad(const PoseEstimate& estimate, const Pose& truth) {
+  return geodesic_angle_rad(estimate.cam_from_target.rotation, truth.rotation);
+}
+
+class SolversWithLines : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(All, SolversWithLines, testing::Values("lspe", "consensus"));
+
+TEST_P(SolversWithLines, FindTheExactPose) {
+  Draw draw(80);
+  for (int k = 0; k < 10; ++k) {
+    Synthetic s = cube_with_lines(1e-4, 1e-4, draw);
+    const PoseEstimate estimate = solver(GetParam()).solve(s.problem);
+    ASSERT_EQ(estimate.status, PoseStatus::kOk);
+    EXPECT_LT(turn_rad(estimate, s.cam_from_target), 1e-5) << k;
+  }
+}
+
+TEST_P(SolversWithLines, StateTheirCovarianceTruly) {
+  // The mean of 300 values of chi-squared with 6 degrees of freedom has a deviation of 0.2.
+  Draw draw(81);
+  double sum = 0;
+  constexpr int kDraws = 300;
+  for (int k = 0; k < kDraws; ++k) {
+    const Synthetic s = cube_with_lines(0.5, 2, draw);
+    const PoseEstimate estimate = solver(GetParam()).solve(s.problem);
+    ASSERT_EQ(estimate.status, PoseStatus::kOk);
+    sum += nees(estimate, s.cam_from_target);
+  }
+  EXPECT_NEAR(sum / kDraws, 6, 0.8);
+}
+
+TEST_P(SolversWithLines, ReachTheBound) {
+  Draw draw(82);
+  double squares = 0, bounds = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Synthetic s = cube_with_lines(0.5, 2, draw);
+    const PoseProblem& p = s.problem;
+    const std::vector<Eigen::Matrix2d> covariances(p.pixels.size(),
+                                                   0.25 * Eigen::Matrix2d::Identity());
+    const auto bound =
+        cramer_rao_bound(p.camera, p.points_in_target, s.cam_from_target, covariances, p.lines);
+    ASSERT_TRUE(bound);
+    const double turn = turn_rad(solver(GetParam()).solve(p), s.cam_from_target);
+    squares += turn * turn;
+    bounds += bound->geodesic_rms_rad * bound->geodesic_rms_rad;
+  }
+  // 200 draws of three degrees of freedom: the ratio of the roots is known to some 3 %.
+  EXPECT_NEAR(std::sqrt(squares / bounds), 1, 0.1);
+}
+
+TEST_P(SolversWithLines, NeedNoPointsAndNoInitialPose) {
+  Draw draw(83);
+  const Camera camera = centred_camera(512, 512, 15000);
+  for (int k = 0; k < 10; ++k) {
+    const Pose truth = cube_pose(draw);
+    PoseProblem problem;
+    problem.camera = camera;
+    for (int i = 0; i < 10; ++i) {
+      LineObservation line = exact_line(camera, truth, {draw.in_box(0.5), draw.in_box(0.5)}, 0.5);
+      add_noise(line, draw);
+      problem.lines.push_back(line);
+    }
+    const PoseEstimate estimate = solver(GetParam()).solve(problem);
+    ASSERT_EQ(estimate.status, PoseStatus::kOk);
+    EXPECT_LT(turn_rad(estimate, truth), 0.05) << k;
+  }
+}
+
+TEST_P(SolversWithLines, LeaveOutWhatCannotBeUsed) {
+  Draw draw(84);
+  Synthetic s = cube_with_lines(0.5, 1, draw);
+  s.problem.lines[3].pixel.x() = std::nan("");
+  s.problem.lines[5].end_in_target = s.problem.lines[5].begin_in_target;
+  s.problem.pixels[2].y() = std::nan("");
+  const PoseEstimate estimate = solver(GetParam()).solve(s.problem);
+  ASSERT_EQ(estimate.status, PoseStatus::kOk);
+  EXPECT_EQ(estimate.ignored_lines, (std::vector<int>{3, 5}));
+  EXPECT_EQ(estimate.ignored, std::vector<int>{2});
+  EXPECT_LT(turn_rad(estimate, s.cam_from_target), 0.01);
+}
+
+TEST_P(SolversWithLines, SayWhyThereIsNoPose) {
+  Draw draw(85);
+  Synthetic s = cube_with_lines(0.5, 1, draw);
+  s.problem.pixels.clear();
+  s.problem.points_in_target.clear();
+  s.problem.lines.resize(2);
+  EXPECT_EQ(solver(GetParam()).solve(s.problem).status, PoseStatus::kTooFewPoints);
+  // Four edges along one direction leave the position along them open.
+  s = cube_with_lines(0.5, 1, draw);
+  s.problem.pixels.clear();
+  s.problem.points_in_target.clear();
+  std::erase_if(s.problem.lines, [](const LineObservation& line) {
+    const Eigen::Vector3d along = line.end_in_target - line.begin_in_target;
+    return along.x() == 0;
+  });
+  ASSERT_EQ(s.problem.lines.size(), 4U);
+  EXPECT_NE(solver(GetParam()).solve(s.problem).status, PoseStatus::kOk);
+}
+
+TEST_P(SolversWithLines, DoNotDependOnTheTargetsFrame) {
+  Draw draw(86);
+  Synthetic s = cube_with_lines(0.5, 1, draw);
+  const PoseEstimate before = solver(GetParam()).solve(s.problem);
+  const Eigen::Vector3d moved(300, -200, 100);
+  for (Eigen::Vector3d& point : s.problem.points_in_target) point += moved;
+  for (LineObservation& line : s.problem.lines) {
+    line.begin_in_target += moved;
+    line.end_in_target += moved;
+  }
+  Pose& initial = *s.problem.initial_cam_from_target;
+  initial.translation -= initial.rotation * moved;
+  const PoseEstimate after = solver(GetParam()).solve(s.problem);
+  ASSERT_EQ(after.status, PoseStatus::kOk);
+  EXPECT_LT((before.cam_from_target.rotation - after.cam_from_target.rotation).norm(), 1e-8);
+}
+
+TEST(LinesInConsensus, WrongLinesAndPointsAreRemoved) {
+  Draw draw(87);
+  int exact = 0;
+  for (int k = 0; k < 50; ++k) {
+    Synthetic s = cube_with_lines(0.5, 2, draw);
+    shift(s.problem.lines[0], 12);
+    shift(s.problem.lines[4], -9);
+    add_outlier(s.problem, 3, 25, draw);
+    const PoseEstimate estimate = solver("consensus").solve(s.problem);
+    ASSERT_EQ(estimate.status, PoseStatus::kOk);
+    exact +=
+        estimate.removed_lines == std::vector<int>{0, 4} && estimate.removed == std::vector<int>{3};
+    EXPECT_LT(turn_rad(estimate, s.cam_from_target), 0.02) << k;
+  }
+  EXPECT_GE(exact, 48);
+  // Least squares, which removes nothing, is spoilt by them.
+  Synthetic s = cube_with_lines(0.5, 2, draw);
+  shift(s.problem.lines[0], 12);
+  EXPECT_GT(turn_rad(solver("lspe").solve(s.problem), s.cam_from_target), 0.01);
+}
+
+TEST(LinesInConsensus, NoiseThatIsNotKnownIsFound) {
+  Draw draw(88);
+  double sum = 0;
+  for (int k = 0; k < 40; ++k) {
+    Synthetic s = cube_with_lines(3, 3, draw);
+    for (LineObservation& line : s.problem.lines) line.covariance /= 9;  // as if of one pixel
+    s.problem.sigma_px = 0;
+    const PoseEstimate estimate = solver("consensus").solve(s.problem);
+    ASSERT_EQ(estimate.status, PoseStatus::kOk);
+    sum += estimate.noise_px.value() / 40;
+  }
+  EXPECT_NEAR(sum, 3, 0.5);
+}
+
+TEST(LinesInConsensus, TellWhetherTheKeptLookLikeNoise) {
+  Draw draw(89);
+  Synthetic s = cube_with_lines(0.5, 2, draw);
+  const PoseEstimate honest = solver("consensus").solve(s.problem);
+  EXPECT_FALSE(honest.diagnosis->is_test_failed.value());
+  EXPECT_TRUE(honest.diagnosis->is_significant.value());
+  EXPECT_FALSE(honest.diagnosis->is_ambiguous.value());
+  s.problem.sigma_px = 0.1;
+  for (LineObservation& line : s.problem.lines) line.covariance /= 12;
+  const PoseEstimate understated = solver("consensus").solve(s.problem);
+  EXPECT_TRUE(understated.status != PoseStatus::kOk ||
+              understated.diagnosis->is_test_failed.value() || !understated.removed_lines.empty() ||
+              !understated.removed.empty());
+}
+
+TEST(SolversWithoutLines, LookAtThePointsAlone) {
+  Draw draw(90);
+  const Synthetic s = cube_with_lines(0.5, 1, draw);
+  PoseProblem points = s.problem;
+  points.lines.clear();
+  for (const PoseSolver& candidate : pose_solvers()) {
+    if (candidate.with_lines != nullptr || candidate.evaluation_only) continue;
+    const PoseEstimate with = candidate.solve(s.problem), without = candidate.solve(points);
+    EXPECT_EQ(with.cam_from_target.rotation, without.cam_from_target.rotation) << candidate.name;
+    EXPECT_EQ(with.cam_from_target.translation, without.cam_from_target.translation)
+        << candidate.name;
+  }
+}
+
+}  // namespace
+}  // namespace sightline
