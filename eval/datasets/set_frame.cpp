@@ -58,7 +58,8 @@ SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
     out.problem = EstimateOutcome::kNotImaged;
     return out;
   }
-  state_truth(scene, out.frame);
+  TextureCache textures;
+  state_truth(scene, textures, out.frame);
   if (sighting.visible_mask.empty()) return out;
   const cv::Mat mask = read_grey_picture(sighting.visible_mask);
   if (mask.size() == out.frame.image.size()) {
