@@ -46,7 +46,9 @@ SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
     out.problem = sighting.problem;
     return out;
   }
-  out.frame.image = read_grey_picture(sighting.picture);
+  const cv::Mat picture = read_picture(sighting.picture);
+  out.frame.image = grey_of(picture);
+  if (!out.frame.image.empty() && picture.channels() == 3) out.frame.colour = picture;
   if (out.frame.image.empty()) {
     out.problem = EstimateOutcome::kPictureUnreadable;
     return out;

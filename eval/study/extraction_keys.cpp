@@ -125,6 +125,15 @@ std::vector<Key> extraction_keys(ImageSetup& setup, double& bias_mesh_fraction) 
        "",
        "extractor of features on the outline"},
       {"extraction",
+       "channel",
+       choice(setup.channel,
+              {{"grey", ExtractedChannel::kGrey}, {"contrast", ExtractedChannel::kContrast}}),
+       {},
+       "",
+       "what extractors see of pictures in colour: their grey, or in each window the channel "
+       "(grey, "
+       "red, green or blue) with the most contrast over noise"},
+      {"extraction",
        "passes",
        &setup.passes,
        {1, 10},

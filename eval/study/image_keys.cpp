@@ -61,6 +61,11 @@ void read_extraction(const TomlTable& file, bool is_noise_known, ImageSetup& set
   read_key(file.table("extraction").table("lines"),
            find_key(extraction_keys(setup, mesh_fraction), "canny_low"));
   read_keys(file, extraction_keys(setup, mesh_fraction));
+  const bool is_drawn_grey = is_noise_known && setup.scene.colouring.mode == ColourMode::kGrey;
+  if (is_drawn_grey && setup.channel == ExtractedChannel::kContrast) {
+    file.table("extraction")
+        .fail("channel", "is \"contrast\", which needs image.colour = \"rgb\" or \"bayer\"");
+  }
   const bool is_noise_given = file.table("extraction").has("noise_sd_grey");
   if (is_noise_known || is_noise_given) {
     setup.registration.noise_sd_grey = setup.extractor_options.search.noise_sd_grey;

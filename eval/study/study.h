@@ -101,6 +101,12 @@ enum class BiasRemoval {
   kKnownLight,
 };
 
+/// What of a picture in colour extractors look at.
+enum class ExtractedChannel {
+  kGrey,      ///< its grey
+  kContrast,  ///< in each window its grey, or the colour that has more contrast there
+};
+
 /// What an image study's file says of its frames and of the extraction of features from them. A
 /// study has one set-up or, where keys are swept, one for every combination of their values.
 struct ImageSetup {
@@ -110,6 +116,7 @@ struct ImageSetup {
   /// Who finds the features in their place; null: they do.
   std::shared_ptr<const TrialExtractor> guest;
   ExtractorOptions extractor_options;
+  ExtractedChannel channel = ExtractedChannel::kGrey;
   int passes = 1;  ///< of extraction; all but the first around the pose that came out before
   BiasRemoval bias_removal = BiasRemoval::kOff;
   /// What is rendered for it; null where it is off.
