@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "features/extractors/extractors.h"
 #include "features/shared_edges.h"
@@ -70,6 +72,48 @@ std::optional<double> background_level(const cv::Mat& image, const PredictedView
   if (greys.size() < kFewest) return std::nullopt;
   std::nth_element(greys.begin(), greys.begin() + greys.size() / 2, greys.end());
   return greys[greys.size() / 2];
+}
+
+// What extractors look at.
+struct Channel {
+  cv::Mat image;  // CV_8U
+  std::optional<double> background_grey;
+};
+
+// The grey of an image, then its colours if it has any.
+std::vector<cv::Mat> grey_and_colours(const cv::Mat& image) {
+  if (image.channels() == 1) return {image};
+  std::vector<cv::Mat> channels(1);
+  cv::cvtColor(image, channels.front(), cv::COLOR_BGR2GRAY);
+  std::vector<cv::Mat> colours;
+  cv::split(image, colours);
+  channels.insert(channels.end(), colours.begin(), colours.end());
+  return channels;
+}
+
+// The channel in which a prediction's window varies most, a colour's noise being larger than that
+// of the grey made of all three.
+const Channel& channel_of_contrast(const std::vector<Channel>& channels,
+                                   const FeaturePrediction& prediction,
+                                   const ExtractorOptions& options) {
+  const double noise_of_grey = std::hypot(0.114, 0.587, 0.299);  // of a colour's
+  const cv::Rect window =
+      prediction.is_in_front
+          ? window_around(prediction.pixel, options.window_half_px, channels.front().image.size())
+          : cv::Rect();
+  if (channels.size() == 1 || window.empty()) return channels.front();
+  size_t best = 0;
+  double most = 0;
+  for (size_t i = 0; i < channels.size(); ++i) {
+    cv::Scalar mean, sd;
+    cv::meanStdDev(channels[i].image(window), mean, sd);
+    const double contrast = i == 0 ? sd[0] / noise_of_grey : sd[0];
+    if (contrast > most) {
+      most = contrast;
+      best = i;
+    }
+  }
+  return channels[best];
 }
 
 // Why a window is not worth looking at; kFound where it is.
@@ -165,13 +209,17 @@ const FeatureExtractor& ExtractorChoice::of(FeatureKind kind) const {
 std::vector<Observation> extract_features(const cv::Mat& image, double white,
                                           const PredictedView& view, const ExtractorChoice& choice,
                                           const ExtractorOptions& options) {
-  cv::Mat grey = image;
-  if (image.type() != CV_8U || white != 255) image.convertTo(grey, CV_8U, 255 / white);
-  const std::optional<double> background_grey = background_level(grey, view);
+  cv::Mat scaled = image;
+  if (image.depth() != CV_8U || white != 255) image.convertTo(scaled, CV_8U, 255 / white);
+  std::vector<Channel> channels;
+  for (const cv::Mat& channel : grey_and_colours(scaled)) {
+    channels.push_back({channel, background_level(channel, view)});
+  }
   std::vector<Observation> observations;
   for (const FeaturePrediction& prediction : view.features) {
-    observations.push_back(
-        observe(grey, view, prediction, choice.of(prediction.kind), options, background_grey));
+    const Channel& channel = channel_of_contrast(channels, prediction, options);
+    observations.push_back(observe(channel.image, view, prediction, choice.of(prediction.kind),
+                                   options, channel.background_grey));
   }
   if (view.target != nullptr) drop_shared_lines(*view.target, observations);
   return observations;

@@ -121,6 +121,8 @@ struct ExtractorChoice {
 /// One observation a predicted feature, in their order: features predicted hidden or outside the
 /// image are missing observations with that reason; the others are looked for in windows around the
 /// predictions. The image is CV_8U or CV_16U (then scaled by its greatest possible value `white`).
+/// Of an image in colour (blue, green, red) each window is looked at in its grey, or in the channel
+/// in which it has more contrast over noise.
 std::vector<Observation> extract_features(const cv::Mat& image, double white,
                                           const PredictedView& view, const ExtractorChoice& choice,
                                           const ExtractorOptions& options);

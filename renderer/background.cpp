@@ -147,6 +147,7 @@ cv::Mat picture(const std::vector<float>& pixels, int columns, int type, cv::Siz
 cv::Mat unclipped(const Background& background, cv::Size size) {
   switch (background.kind) {
     case BackgroundKind::kUniform:
+    case BackgroundKind::kEnvironment:  // environment_image() has it
       break;
     case BackgroundKind::kSky:
       return sky(background, size);

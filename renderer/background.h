@@ -19,7 +19,7 @@ namespace sightline {
 /// is cut to zero. kStars: a Poisson process on `level`; the number of stars brighter than F goes
 /// as 1 / F, up to `star_level` and down to a hundredth of it; the light of each is shared by the
 /// four pixel centres about it. kImage: `picture` scaled to cover the image, its middle in the
-/// middle.
+/// middle. kEnvironment: as kUniform; environment_image() has the panorama.
 cv::Mat background_image(const Background& background, cv::Size size);
 
 /// The same in colour: CV_32FC3, blue, green and red. A picture has its colours, all else is grey.

@@ -27,16 +27,6 @@ double visibility(double a, double n_l, double n_v) {
   return 0.5 / (light + eye);
 }
 
-// Van der Corput's sequence: with i / n the points of Hammersley.
-double radical_inverse(uint32_t bits) {
-  bits = bits << 16 | bits >> 16;
-  bits = (bits & 0x55555555U) << 1 | (bits & 0xAAAAAAAAU) >> 1;
-  bits = (bits & 0x33333333U) << 2 | (bits & 0xCCCCCCCCU) >> 2;
-  bits = (bits & 0x0F0F0F0FU) << 4 | (bits & 0xF0F0F0F0U) >> 4;
-  bits = (bits & 0x00FF00FFU) << 8 | (bits & 0xFF00FF00U) >> 8;
-  return bits * 0x1p-32;
-}
-
 // Half-way directions drawn as D n_h says (Walter et al. 2007): each counts 4 V n_l v_h / n_h.
 GlowShares integrated(double a, double n_v) {
   constexpr uint32_t kDirections = 1024;
@@ -90,6 +80,15 @@ Between between(double unit) {
 
 }  // namespace
 
+double radical_inverse(uint32_t bits) {
+  bits = bits << 16 | bits >> 16;
+  bits = (bits & 0x55555555U) << 1 | (bits & 0xAAAAAAAAU) >> 1;
+  bits = (bits & 0x33333333U) << 2 | (bits & 0xCCCCCCCCU) >> 2;
+  bits = (bits & 0x0F0F0F0FU) << 4 | (bits & 0xF0F0F0F0U) >> 4;
+  bits = (bits & 0x00FF00FFU) << 8 | (bits & 0xFF00FF00U) >> 8;
+  return bits * 0x1p-32;
+}
+
 double microfacets(double a, double n_l, double n_v, double n_h) {
   if (!(n_l > 0 && n_v > 0 && n_h > 0)) return 0;
   const double a2 = std::max(a, kLeastA) * std::max(a, kLeastA);
@@ -137,11 +136,18 @@ Reflection reflected(const Gloss& gloss, double level, double n_l, double n_v, d
           .own = (1 - m) * fresnel * mirror + m * weight * mirror};
 }
 
-Reflection reflected_shares(const GlowShares& shares, double metallic, double level) {
+GlowParts glow_parts(const GlowShares& shares, double metallic) {
   const double coat = kDielectric * shares.plain + shares.grazing;
   const double m = metallic;
-  return {.of_base = level * ((1 - m) * (1 - coat) + m * shares.plain),
-          .own = level * ((1 - m) * coat + m * shares.grazing)};
+  return {.dull_of_base = (1 - m) * (1 - coat),
+          .mirror_of_base = m * shares.plain,
+          .mirror_own = (1 - m) * coat + m * shares.grazing};
+}
+
+Reflection reflected_shares(const GlowShares& shares, double metallic, double level) {
+  const GlowParts parts = glow_parts(shares, metallic);
+  return {.of_base = level * (parts.dull_of_base + parts.mirror_of_base),
+          .own = level * parts.mirror_own};
 }
 
 Reflection reflected_glow(const Gloss& gloss, double level, double n_v) {

@@ -7,8 +7,12 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
 namespace sightline {
+
+/// Van der Corput's sequence, from 0 to 1: with i / n the points of Hammersley.
+double radical_inverse(uint32_t bits);
 
 /// Microfacets' distribution times visibility, V D, for a = roughness^2; cosines to the normal of
 /// the light, the eye and the direction half way between them. 0 where either is below the horizon.
@@ -59,6 +63,15 @@ struct Gloss {
 /// it; cosines as above, and v_h that between the eye and the half-way direction.
 Reflection reflected(const Gloss& gloss, double level, double n_l, double n_v, double n_h,
                      double v_h);
+
+/// What comes back of light from all around, by the kind of reflection: of what falls on the
+/// surface dully, and of what falls on the mirror of its gloss.
+struct GlowParts {
+  double dull_of_base = 0;
+  double mirror_of_base = 0;
+  double mirror_own = 0;
+};
+GlowParts glow_parts(const GlowShares& shares, double metallic);
 
 /// What an even glow of `level` from all sides gives; a white surface that is no metal sends all of
 /// it back.

@@ -8,12 +8,13 @@
 
 #include <Eigen/LU>
 
+#include "renderer/opacity.h"
 #include "renderer/truth.h"
 
 namespace sightline {
 namespace {
 
-constexpr double kShadowTexelPx = 0.1;  // as the image sees it, where ShadowMap can hold that many
+constexpr double kShadowTexelPx = 0.1;  // as the image sees it, where Shadow can hold that many
 
 // The shorter half axis of the ellipse that a linear map makes of the unit circle.
 double minor_axis(const Eigen::Matrix2d& map) {
@@ -23,29 +24,23 @@ double minor_axis(const Eigen::Matrix2d& map) {
   return std::sqrt(std::max(0.0, (squares - root) / 2));
 }
 
-// How much of a sample a surface of this alpha covers.
-float opacity(const Paint& paint, float alpha) {
-  switch (paint.alpha_mode) {
-    case AlphaMode::kMask:
-      return static_cast<double>(alpha) >= paint.material.alpha_cutoff ? 1.0f : 0.0f;
-    case AlphaMode::kBlend:
-      return std::max(0.0f, alpha);
-    case AlphaMode::kOpaque:
-      break;
-  }
-  return 1;
-}
-
 }  // namespace
 
-std::unique_ptr<const ShadowMap> shadow_on(const std::vector<PlacedBody>& bodies, size_t body,
-                                           const Scene& scene) {
+std::unique_ptr<const Shadow> shadow_on(const std::vector<PlacedBody>& bodies, size_t body,
+                                        const Scene& scene) {
   if (!scene.light.casts_shadow) return nullptr;
-  const double px_per_m =
-      std::max(scene.camera.fx_px, scene.camera.fy_px) /
-      reference_depth_m(*bodies[body].mesh, bodies[body].cam_from_body);
-  return std::make_unique<ShadowMap>(bodies, body, scene.light.to_light_in_cam,
-                                     kShadowTexelPx / px_per_m);
+  const double px_per_m = std::max(scene.camera.fx_px, scene.camera.fy_px) /
+                          reference_depth_m(*bodies[body].mesh, bodies[body].cam_from_body);
+  return std::make_unique<Shadow>(bodies, body, scene.light, kShadowTexelPx / px_per_m,
+                                  scene.samples_per_pixel);
+}
+
+EnvironmentLight* ColourMemory::environment_of(const Scene& scene) {
+  if (!scene.environment.is_there()) return nullptr;
+  if (environment == nullptr || environment->panorama() != scene.environment.light) {
+    environment = std::make_unique<EnvironmentLight>(scene.environment.light);
+  }
+  return environment.get();
 }
 
 ColourResolver::ColourResolver(const std::vector<PlacedBody>& bodies, const Scene& scene,
@@ -67,10 +62,9 @@ ColourResolver::ColourResolver(const std::vector<PlacedBody>& bodies, const Scen
       of_base_(4 * groups_.size()),
       own_(4 * groups_.size()),
       layer_(groups_.size()) {
-  const bool is_grey = scene.colouring.mode == ColourMode::kGrey;
+  EnvironmentLight* panorama = memory.environment_of(scene);
   for (size_t b = 0; b < bodies.size(); ++b) {
-    shaders_.emplace_back(bodies[b], scene.light, is_grey, scene.colouring.draws_textures,
-                          shadow_on(bodies, b, scene), memory.textures);
+    shaders_.emplace_back(bodies[b], scene, panorama, shadow_on(bodies, b, scene), memory.textures);
   }
   memory.planes.clear();
   memory.plane_index.assign(bodies.back().first_id + bodies.back().mesh->triangles.size(), 0);
@@ -168,9 +162,10 @@ void ColourResolver::light_samples(const Group& group, const ColourShader& shade
                                    const SurfacePlane& plane, int triangle, float level) {
   if (shader.paint(triangle).is_painted) uv_of(painted_, u_.data(), v_.data());
   for (int i = 0; i < group.count; ++i) {
-    const Eigen::Vector3d ray = ray_of(order_[static_cast<size_t>(group.begin + i)]);
+    const int sample = order_[static_cast<size_t>(group.begin + i)];
     const Eigen::Vector2f uv(u_[static_cast<size_t>(i)], v_[static_cast<size_t>(i)]);
-    const ColourLight light = shader.light_at(shader.hit(plane, triangle, ray), uv, level);
+    const SurfaceHit hit = shader.hit(plane, triangle, ray_of(sample));
+    const ColourLight light = shader.light_at(hit, uv, level, sample);
     Eigen::Map<Eigen::Array4f>(of_base_.data() + 4 * i) = light.of_base;
     Eigen::Map<Eigen::Array4f>(own_.data() + 4 * i) = light.own;
   }
@@ -212,7 +207,7 @@ ColourResolver::Lit ColourResolver::light_group(const Group& group) {
     light_samples(group, shader, plane, triangle, level);
   } else {
     const Eigen::Vector3d ray = ray_of(order_[static_cast<size_t>(group.begin)]);
-    const ColourLight light = shader.light_at(shader.hit(plane, triangle, ray), uv_, level);
+    const ColourLight light = shader.light_at(shader.hit(plane, triangle, ray), uv_, level, 0);
     Eigen::Map<Eigen::Array4f>(of_base_.data()) = light.of_base;
     Eigen::Map<Eigen::Array4f>(own_.data()) = light.own;
   }
@@ -267,7 +262,7 @@ bool ColourResolver::add_layer(int x, int y, const uint32_t* ids, float* nearnes
       const int k = order_[static_cast<size_t>(seen.begin + i)];
       const Eigen::Array4f light = lit.paint.is_painted ? layer_[static_cast<size_t>(i)]
                                                         : flat_light(lit.lights == 1 ? 0 : i);
-      const float alpha = opacity(lit.paint, light[3]);
+      const float alpha = opacity(lit.paint.alpha_mode, lit.paint.material.alpha_cutoff, light[3]);
       const float through = samples[k][3];
       samples[k].head<3>() += through * alpha * light.head<3>();
       samples[k][3] = through * (1 - alpha);

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
 #include "renderer/colour_shading.h"
+#include "renderer/environment.h"
 #include "renderer/sample_pattern.h"
 #include "renderer/screen.h"
 #include "renderer/shading.h"
@@ -18,6 +20,10 @@ namespace sightline {
 /// What a renderer keeps between pictures in colour: textures, and memory.
 struct ColourMemory {
   TextureCache textures;
+  std::unique_ptr<EnvironmentLight> environment;  ///< of the last scene that had one
+
+  /// That of the scene, made where it is another than the last; none where the scene has none.
+  EnvironmentLight* environment_of(const Scene& scene);
   std::vector<int> plane_index;  ///< by id, one more than its place in planes; 0: not yet made
   std::vector<SurfacePlane> planes;
 };
@@ -96,7 +102,7 @@ class ColourResolver {
 };
 
 /// How a body is shadowed; none where the scene's light casts no shadows.
-std::unique_ptr<const ShadowMap> shadow_on(const std::vector<PlacedBody>& bodies, size_t body,
-                                           const Scene& scene);
+std::unique_ptr<const Shadow> shadow_on(const std::vector<PlacedBody>& bodies, size_t body,
+                                        const Scene& scene);
 
 }  // namespace sightline

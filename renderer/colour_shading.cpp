@@ -8,6 +8,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "scenes/mesh/mesh_soup.h"
+
 namespace sightline {
 namespace {
 
@@ -73,6 +75,24 @@ Reflection of_glow(const Paint& paint, const Gloss& gloss, double level, double 
   return reflected_shares(paint.glow.at(n_v), gloss.metallic, level);
 }
 
+Surroundings surroundings_of(const PlacedBody& body, const Scene& scene,
+                             EnvironmentLight* panorama) {
+  return {.light = panorama,
+          .strength = static_cast<float>(scene.environment.strength),
+          .environment_from_body =
+              cam_from_environment(scene.environment).transpose() * body.cam_from_body.rotation};
+}
+
+std::vector<Lamp> lamps_about(const PlacedBody& body, const Scene& scene) {
+  std::vector<Lamp> lamps = scene.lamps;
+  const Pose body_from_cam = inverse(body.cam_from_body);
+  for (Lamp& lamp : lamps) {
+    lamp.position_in_cam_m = body_from_cam * lamp.position_in_cam_m;
+    lamp.direction_in_cam = body_from_cam.rotation * lamp.direction_in_cam;
+  }
+  return lamps;
+}
+
 Material grey_material(double albedo) {
   Material material;
   material.base = {albedo, albedo, albedo, 1};
@@ -81,21 +101,22 @@ Material grey_material(double albedo) {
 
 }  // namespace
 
-ColourShader::ColourShader(const PlacedBody& body, const Light& light, bool is_grey,
-                           bool draws_textures, std::unique_ptr<const ShadowMap> shadow,
-                           TextureCache& textures)
+ColourShader::ColourShader(const PlacedBody& body, const Scene& scene, EnvironmentLight* panorama,
+                           std::unique_ptr<const Shadow> shadow, TextureCache& textures)
     : hits_(body),
-      light_(light),
-      is_grey_(is_grey),
-      to_light_(body.cam_from_body.rotation.transpose() * light.to_light_in_cam),
-      to_second_(body.cam_from_body.rotation.transpose() * light.to_second_in_cam),
-      colour_(factors_of(light.colour, is_grey)),
-      second_colour_(factors_of(light.second_colour, is_grey)),
+      light_(scene.light),
+      surroundings_(surroundings_of(body, scene, panorama)),
+      lamps_(lamps_about(body, scene)),
+      is_grey_(scene.colouring.mode == ColourMode::kGrey),
+      to_light_(body.cam_from_body.rotation.transpose() * light_.to_light_in_cam),
+      to_second_(body.cam_from_body.rotation.transpose() * light_.to_second_in_cam),
+      colour_(factors_of(light_.colour, is_grey_)),
+      second_colour_(factors_of(light_.second_colour, is_grey_)),
       body_from_cam_(body.cam_from_body.rotation.transpose()),
       shadow_(std::move(shadow)) {
   paints_.reserve(body.mesh->parts.size());
   for (const Part& part : body.mesh->parts) {
-    paints_.push_back(paint_of(part, draws_textures, textures));
+    paints_.push_back(paint_of(part, scene.colouring.draws_textures, textures));
     count_levels(paints_.back());
   }
   find_colours();
@@ -206,10 +227,11 @@ double ColourShader::stripe_at(const SurfaceHit& hit) const {
   return is_dark ? 1 - body.stripe_contrast : 1;
 }
 
-bool ColourShader::is_lit(const SurfaceHit& hit) const {
+double ColourShader::lit_share(const SurfaceHit& hit, int sample) const {
+  if (shadow_ == nullptr) return 1;
   const Mesh& mesh = *hits_.body().mesh;
-  return shadow_ == nullptr ||
-         shadow_->is_lit(in_body(hit), winding_normal(mesh, mesh.triangles[hit.triangle]));
+  return shadow_->lit_share(in_body(hit), winding_normal(mesh, mesh.triangles[hit.triangle]),
+                            sample);
 }
 
 // The normal that a normal texture makes of the surface's own. Its axes are the triangle's: where u
@@ -263,8 +285,55 @@ Reflection ColourShader::of_distant(const Paint& paint, const Gloss& gloss, doub
                    to_eye.dot(half_way));
 }
 
-ColourLight ColourShader::light_at(const SurfaceHit& hit, const Eigen::Vector2f& uv,
-                                   float level) const {
+// A panorama's light as the picture has it.
+Eigen::Array4f ColourShader::shown(const Eigen::Array4f& surroundings) const {
+  if (!is_grey_) return surroundings_.strength * surroundings;
+  const auto grey =
+      static_cast<float>(luminance(surroundings[0], surroundings[1], surroundings[2]));
+  return Eigen::Array4f::Constant(surroundings_.strength * grey);
+}
+
+// As the even glow, but for where the light comes from.
+void ColourShader::add_surroundings(const Paint& paint, const Gloss& gloss,
+                                    const Eigen::Vector3d& normal, const Eigen::Vector3d& to_eye,
+                                    ColourLight& light) const {
+  EnvironmentLight& panorama = *surroundings_.light;
+  const Eigen::Matrix3d& turn = surroundings_.environment_from_body;
+  const Eigen::Array4f dull = shown(panorama.dull(turn * normal));
+  if (paint.is_dull) {
+    light.of_base += dull;
+    return;
+  }
+  const double n_v = facing_eye(normal, to_eye);
+  const GlowParts parts =
+      glow_parts(paint.gloss == nullptr ? paint.glow.at(n_v)
+                                        : glow_shares(gloss.roughness * gloss.roughness, n_v),
+                 gloss.metallic);
+  const Eigen::Vector3d mirrored = 2 * normal.dot(to_eye) * normal - to_eye;
+  const Eigen::Array4f mirror = shown(panorama.glossy(turn * mirrored, gloss.roughness));
+  light.of_base += static_cast<float>(parts.dull_of_base) * dull +
+                   static_cast<float>(parts.mirror_of_base) * mirror;
+  light.own += static_cast<float>(parts.mirror_own) * mirror;
+}
+
+void ColourShader::add_lamps(const SurfaceHit& hit, const Paint& paint, const Gloss& gloss,
+                             const Eigen::Vector3d& normal, const Eigen::Vector3d& to_eye,
+                             ColourLight& light) const {
+  const Eigen::Vector3d x = in_body(hit);
+  for (const Lamp& lamp : lamps_) {
+    const Eigen::Vector3d way = lamp.position_in_cam_m - x;
+    const double squared_m = way.squaredNorm();
+    if (!(squared_m > 0)) continue;
+    const Eigen::Vector3d to_lamp = way / std::sqrt(squared_m);
+    const double level = lamp.strength * lamp.distance_m * lamp.distance_m / squared_m *
+                         cone_share(lamp, -to_lamp.dot(lamp.direction_in_cam));
+    light.add(of_distant(paint, gloss, level, to_lamp, normal, to_eye),
+              factors_of(lamp.colour, is_grey_));
+  }
+}
+
+ColourLight ColourShader::light_at(const SurfaceHit& hit, const Eigen::Vector2f& uv, float level,
+                                   int sample) const {
   const Paint& paint = this->paint(hit.triangle);
   if (paint.material.is_unlit && !is_grey_) return {.of_base = Eigen::Array4f::Ones()};
   const Eigen::Vector3d normal = normal_at(hit, paint, uv, level);
@@ -275,14 +344,18 @@ ColourLight ColourShader::light_at(const SurfaceHit& hit, const Eigen::Vector2f&
   ColourLight light;
   light.add(of_glow(paint, gloss, light_.ambient, facing_eye(normal, to_eye)),
             Eigen::Array4f::Ones());
+  if (surroundings_.light != nullptr) add_surroundings(paint, gloss, normal, to_eye, light);
   if (light_.second > 0) {
     light.add(of_distant(paint, gloss, light_.second, to_second_, normal, to_eye), second_colour_);
   }
-  if (normal.dot(to_light_) > 0 && is_lit(hit)) {
-    Reflection direct = of_distant(paint, gloss, light_.directional, to_light_, normal, to_eye);
+  if (!lamps_.empty()) add_lamps(hit, paint, gloss, normal, to_eye, light);
+  const double lit = normal.dot(to_light_) > 0 ? lit_share(hit, sample) : 0;
+  if (lit > 0) {
+    Reflection direct =
+        of_distant(paint, gloss, lit * light_.directional, to_light_, normal, to_eye);
     if (paint.is_dull && light_.specular > 0) {
       const double n_h = std::max(0.0, normal.dot((to_eye + to_light_).normalized()));
-      direct.own += light_.specular * std::pow(n_h, light_.shininess);
+      direct.own += lit * light_.specular * std::pow(n_h, light_.shininess);
     }
     light.add(direct, colour_);
   }

@@ -8,9 +8,10 @@
 #include <Eigen/Core>
 
 #include "renderer/brdf.h"
+#include "renderer/environment.h"
 #include "renderer/shading.h"
 #include "renderer/texture.h"
-#include "scenes/scene/colouring.h"
+#include "scenes/scene/scene.h"
 
 namespace sightline {
 
@@ -65,21 +66,31 @@ struct Paint {
   GlowCurve glow;  ///< of the factor of roughness, where there is gloss
 };
 
+/// The panorama about a body.
+struct Surroundings {
+  EnvironmentLight* light = nullptr;  ///< none: there is none
+  float strength = 1;
+  Eigen::Matrix3d environment_from_body = Eigen::Matrix3d::Identity();
+};
+
 /// What one body sends to the camera, by channel. Where the scene is grey the surfaces are dull
 /// ones of their base colour, as Shader has them; in colour those with gloss follow brdf.h. The
-/// ambient light is a glow from all sides, and the highlights of [light] are those of the dull.
+/// ambient light is a glow from all sides, as the panorama's light is, and the highlights of
+/// [light] are those of the dull.
 class ColourShader {
  public:
-  ColourShader(const PlacedBody& body, const Light& light, bool is_grey, bool draws_textures,
-               std::unique_ptr<const ShadowMap> shadow, TextureCache& textures);
+  /// `panorama` must outlive it; none where the scene has no environment.
+  ColourShader(const PlacedBody& body, const Scene& scene, EnvironmentLight* panorama,
+               std::unique_ptr<const Shadow> shadow, TextureCache& textures);
 
   SurfacePlane plane_of(int triangle) const;
   /// `ray` is (x/z, y/z, 1) in the camera; one that misses is moved into the triangle.
   SurfaceHit hit(const SurfacePlane& plane, int triangle, const Eigen::Vector3d& ray) const;
 
   /// The light where a ray hits. `uv` and `level` are where textures of the part are looked up that
-  /// say how it is reflected.
-  ColourLight light_at(const SurfaceHit& hit, const Eigen::Vector2f& uv, float level) const;
+  /// say how it is reflected; `sample` is the one of its pixel that the light is for.
+  ColourLight light_at(const SurfaceHit& hit, const Eigen::Vector2f& uv, float level,
+                       int sample) const;
 
   /// Some part of it shows what is behind.
   bool is_see_through() const;
@@ -98,18 +109,26 @@ class ColourShader {
   Reflection of_distant(const Paint& paint, const Gloss& gloss, double level,
                         const Eigen::Vector3d& to_light, const Eigen::Vector3d& normal,
                         const Eigen::Vector3d& to_eye) const;
+  void add_surroundings(const Paint& paint, const Gloss& gloss, const Eigen::Vector3d& normal,
+                        const Eigen::Vector3d& to_eye, ColourLight& light) const;
+  Eigen::Array4f shown(const Eigen::Array4f& surroundings) const;
   Eigen::Vector3d in_body(const SurfaceHit& hit) const;
   double stripe_at(const SurfaceHit& hit) const;
-  bool is_lit(const SurfaceHit& hit) const;
+  double lit_share(const SurfaceHit& hit, int sample) const;
+  void add_lamps(const SurfaceHit& hit, const Paint& paint, const Gloss& gloss,
+                 const Eigen::Vector3d& normal, const Eigen::Vector3d& to_eye,
+                 ColourLight& light) const;
 
   RayHits hits_;
   Light light_;
+  Surroundings surroundings_;
+  std::vector<Lamp> lamps_;  // positions and directions in the body's frame
   bool is_grey_;
   Eigen::Vector3d to_light_;  // body's frame
   Eigen::Vector3d to_second_;
   Eigen::Array4f colour_, second_colour_;  // white where the scene is grey
   Eigen::Matrix3d body_from_cam_;
-  std::unique_ptr<const ShadowMap> shadow_;
+  std::unique_ptr<const Shadow> shadow_;
   std::vector<Paint> paints_;  // a part each
 };
 

@@ -65,7 +65,8 @@ bool has_paint(const Scene& scene) {
 // Grey surfaces alone are drawn as they always were.
 bool needs_colour(const Scene& scene) {
   const Colouring& colouring = scene.colouring;
-  return colouring.mode != ColourMode::kGrey || (colouring.draws_textures && has_paint(scene));
+  return colouring.mode != ColourMode::kGrey || scene.environment.is_there() ||
+         !scene.lamps.empty() || (colouring.draws_textures && has_paint(scene));
 }
 
 cv::Mat to_grey(const cv::Mat& blue_green_red) {
@@ -137,7 +138,7 @@ class Resolver {
     const Eigen::Vector2d offset(pattern_.x[sample], pattern_.y[sample]);
     const SurfacePoint point =
         shader.hits().on(static_cast<int>(id - bodies_[b].first_id), centre_ + per_pixel_ * offset);
-    return {id, shader.has_detail(), std::min(1.0, shader.grey(point))};
+    return {id, shader.has_detail(), std::min(1.0, shader.grey(point, sample))};
   }
 
   const std::vector<PlacedBody>& bodies_;
@@ -257,10 +258,17 @@ struct Renderer::Impl {
     }
   }
 
-  cv::Mat linear(const Scene& scene) {
+  cv::Mat background_of(const Scene& scene) {
     const cv::Size size(scene.camera.width_px, scene.camera.height_px);
-    cv::Mat background = needs_colour(scene) ? colour_background_image(scene.background, size)
-                                             : background_image(scene.background, size);
+    if (scene.background.kind == BackgroundKind::kEnvironment && scene.environment.is_there()) {
+      return environment_image(*colours.environment_of(scene), scene.environment, scene.camera);
+    }
+    return needs_colour(scene) ? colour_background_image(scene.background, size)
+                               : background_image(scene.background, size);
+  }
+
+  cv::Mat linear(const Scene& scene) {
+    cv::Mat background = background_of(scene);
     const int poses = scene.motion.is_still() ? 1 : scene.motion.samples;
     cv::Mat sum;
     for (int i = 0; i < poses; ++i) {
@@ -305,7 +313,7 @@ Frame Renderer::render(const Scene& scene, RandomStream noise) {
     frame.image = exposed;
   }
   Stopwatch watch;
-  state_truth(scene, frame);
+  state_truth(scene, impl_->colours.textures, frame);
   impl_->times.truth_ms += watch.lap();
   return frame;
 }

@@ -8,8 +8,13 @@
 
 #include <Eigen/Geometry>
 
+#include "pose/angles.h"
+
 namespace sightline {
 namespace {
+
+// Of a disc's points each shadow may have texels so much larger: their roundings average out.
+constexpr double kDiscTexels = 4;
 
 // Rows: two axes across the light's rays, then the direction to the light.
 Eigen::Matrix3d light_axes(const Eigen::Vector3d& to_light) {
@@ -17,6 +22,21 @@ Eigen::Matrix3d light_axes(const Eigen::Vector3d& to_light) {
   const Eigen::Vector3d across = to_light.unitOrthogonal();
   axes << across.transpose(), to_light.cross(across).transpose(), to_light.transpose();
   return axes;
+}
+
+// Directions to points of the light's disc, which stand for equal parts of it.
+std::vector<Eigen::Vector3d> points_of_disc(const Light& light, int count) {
+  constexpr double kGoldenAngle = 2.39996322972865332;
+  const Eigen::Matrix3d axes = light_axes(light.to_light_in_cam);
+  const double rim = std::tan(light.radius_deg * kDegree);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < count; ++i) {
+    const double radius = rim * std::sqrt((i + 0.5) / count);
+    const Eigen::Vector3d across(radius * std::cos(i * kGoldenAngle),
+                                 radius * std::sin(i * kGoldenAngle), 1);
+    points.push_back((axes.transpose() * across).normalized());
+  }
+  return points;
 }
 
 }  // namespace
@@ -64,7 +84,7 @@ Eigen::Vector3d RayHits::in_body(const SurfacePoint& point) const {
 }
 
 ShadowMap::ShadowMap(const std::vector<PlacedBody>& bodies, size_t receiver,
-                     const Eigen::Vector3d& to_light_in_cam, double texel_m) {
+                     const Eigen::Vector3d& to_light_in_cam, double texel_m, int max_texels) {
   const Eigen::Matrix3d light_from_cam = light_axes(to_light_in_cam);
   const PlacedBody& body = bodies[receiver];
   light_from_body_ = light_from_cam * body.cam_from_body.rotation;
@@ -72,9 +92,9 @@ ShadowMap::ShadowMap(const std::vector<PlacedBody>& bodies, size_t receiver,
   for (const Eigen::Vector3d& vertex : body.mesh->vertices)
     extent.extend(light_from_body_ * vertex);
   const double size_m = extent.sizes().head<2>().maxCoeff();
-  texel_m_ = std::max(texel_m, size_m / (kMaxTexels - 2));
+  texel_m_ = std::max(texel_m, size_m / (max_texels - 2));
   if (!(texel_m_ > 0)) texel_m_ = 1;
-  side_ = std::min(static_cast<int>(std::ceil(size_m / texel_m_)) + 2, kMaxTexels);
+  side_ = std::min(static_cast<int>(std::ceil(size_m / texel_m_)) + 2, max_texels);
   origin_ = extent.min();
   // Depths are written in single precision.
   double depth_m = extent.sizes().z();
@@ -123,7 +143,30 @@ bool ShadowMap::is_lit(const Eigen::Vector3d& x, const Eigen::Vector3d& normal) 
   return nearest_[static_cast<size_t>(row) * side_ + column] <= plane_m + tolerance_m_;
 }
 
-Shader::Shader(const PlacedBody& body, const Light& light, std::unique_ptr<const ShadowMap> shadow)
+Shadow::Shadow(const std::vector<PlacedBody>& bodies, size_t receiver, const Light& light,
+               double texel_m, int samples_per_pixel)
+    : samples_(samples_per_pixel) {
+  if (!(light.radius_deg > 0)) {
+    maps_.emplace_back(bodies, receiver, light.to_light_in_cam, texel_m, kMaxTexels);
+    return;
+  }
+  for (const Eigen::Vector3d& to_point : points_of_disc(light, kDiscPoints)) {
+    maps_.emplace_back(bodies, receiver, to_point, kDiscTexels * texel_m, kMaxDiscTexels);
+  }
+}
+
+double Shadow::lit_share(const Eigen::Vector3d& x, const Eigen::Vector3d& normal,
+                         int sample) const {
+  if (maps_.size() == 1) return maps_.front().is_lit(x, normal) ? 1 : 0;
+  const int points = static_cast<int>(maps_.size());
+  int lit = 0, asked = 0;
+  for (int i = sample % points; asked == 0 || i < points; i += samples_, ++asked) {
+    if (maps_[static_cast<size_t>(i)].is_lit(x, normal)) ++lit;
+  }
+  return static_cast<double>(lit) / asked;
+}
+
+Shader::Shader(const PlacedBody& body, const Light& light, std::unique_ptr<const Shadow> shadow)
     : hits_(body),
       light_(light),
       to_light_(body.cam_from_body.rotation.transpose() * light.to_light_in_cam),
@@ -134,7 +177,7 @@ bool Shader::has_detail() const {
   return shadow_ != nullptr || light_.specular > 0 || hits_.body().stripe_contrast > 0;
 }
 
-double Shader::grey(const SurfacePoint& point) const {
+double Shader::grey(const SurfacePoint& point, int sample) const {
   const PlacedBody& body = hits_.body();
   const Mesh& mesh = *body.mesh;
   const Triangle& triangle = mesh.triangles[point.triangle];
@@ -158,16 +201,16 @@ double Shader::grey(const SurfacePoint& point) const {
       static_cast<int64_t>(std::floor(x.x() / body.stripe_m)) % 2 != 0) {
     albedo *= 1 - body.stripe_contrast;
   }
-  if (towards_light > 0 && shadow_ != nullptr &&
-      !shadow_->is_lit(x, winding_normal(mesh, triangle))) {
-    towards_light = 0;
+  double lit = towards_light > 0 ? 1 : 0;
+  if (lit > 0 && shadow_ != nullptr) {
+    lit = shadow_->lit_share(x, winding_normal(mesh, triangle), sample);
   }
-  if (!(towards_light > 0)) return albedo * even;
-  double grey = albedo * (even + light_.directional * towards_light);
+  if (!(lit > 0)) return albedo * even;
+  double grey = albedo * (even + light_.directional * towards_light * lit);
   if (light_.specular > 0) {
     const Eigen::Vector3d half_way = (hits_.eye_in_body() - x).normalized() + to_light_;
     const double cosine = std::max(0.0, normal.dot(half_way) / (length * half_way.norm()));
-    grey += light_.specular * std::pow(cosine, light_.shininess);
+    grey += lit * light_.specular * std::pow(cosine, light_.shininess);
   }
   return grey;
 }

@@ -57,10 +57,9 @@ class RayHits {
 /// texel's centre, so that no surface shades itself.
 class ShadowMap {
  public:
-  static constexpr int kMaxTexels = 3072;  ///< of a side: 38 MB
-
+  /// A side has at most `max_texels`; its texels are larger than `texel_m` where that is too few.
   ShadowMap(const std::vector<PlacedBody>& bodies, size_t receiver,
-            const Eigen::Vector3d& to_light_in_cam, double texel_m);
+            const Eigen::Vector3d& to_light_in_cam, double texel_m, int max_texels);
 
   /// `x` and the plane's normal, of any length, in the receiver's frame.
   bool is_lit(const Eigen::Vector3d& x, const Eigen::Vector3d& normal) const;
@@ -76,14 +75,35 @@ class ShadowMap {
   std::vector<float> nearest_;
 };
 
+/// How much of the distant light reaches one body. Of a light with a disc the shadows of 32 of its
+/// points are kept, spread evenly over it (H. Vogel, A better way to construct the sunflower head,
+/// 1979), and a pixel's samples share them: each looks at as many as it takes for all to be seen.
+class Shadow {
+ public:
+  static constexpr int kMaxTexels = 3072;  ///< of a side, for a point: 38 MB
+  static constexpr int kDiscPoints = 32;
+  static constexpr int kMaxDiscTexels = 768;  ///< for each point of a disc: 75 MB in all
+
+  Shadow(const std::vector<PlacedBody>& bodies, size_t receiver, const Light& light, double texel_m,
+         int samples_per_pixel);
+
+  /// From 0 to 1, as one sample of a pixel sees it. `x` and the plane's normal, of any length, in
+  /// the receiver's frame.
+  double lit_share(const Eigen::Vector3d& x, const Eigen::Vector3d& normal, int sample) const;
+
+ private:
+  std::vector<ShadowMap> maps_;
+  int samples_;
+};
+
 /// The light that one body sends to the camera.
 class Shader {
  public:
-  /// Without a map the body is in no shadow.
-  Shader(const PlacedBody& body, const Light& light, std::unique_ptr<const ShadowMap> shadow);
+  /// Without a shadow the light reaches all of the body.
+  Shader(const PlacedBody& body, const Light& light, std::unique_ptr<const Shadow> shadow);
 
-  /// Linear, 1 is white; highlights may exceed it.
-  double grey(const SurfacePoint& point) const;
+  /// Linear, 1 is white; highlights may exceed it. As the sample of that number sees it.
+  double grey(const SurfacePoint& point, int sample) const;
 
   const RayHits& hits() const { return hits_; }
   /// The light changes by more than the turn of the surface: each sample wants its own.
@@ -94,7 +114,7 @@ class Shader {
   Light light_;
   Eigen::Vector3d to_light_;  // body's frame
   Eigen::Vector3d to_second_;
-  std::unique_ptr<const ShadowMap> shadow_;
+  std::unique_ptr<const Shadow> shadow_;
 };
 
 }  // namespace sightline

@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "renderer/opacity.h"
 #include "renderer/screen.h"
 
 namespace sightline {
@@ -28,7 +29,34 @@ struct IdImage {
   std::vector<uint32_t> ids;  // row by row; 0 is nothing
 };
 
-IdImage paint_ids(const std::vector<PlacedBody>& bodies, const Screen& screen) {
+// Finds what the pixels of a strip's rows see where surfaces are looked through: into `ids`, row by
+// row, the nearest that lets nothing through; else the nearest that is seen at all.
+void look_through(SamplePainter& painter, VisibleStrip& strip, const Screen& screen,
+                  SurfaceOpacity& opacity, uint32_t* ids) {
+  constexpr int kMostLayers = 32;  // as a picture has them
+  std::fill_n(ids, strip.is_touched.size(), 0);
+  for (int layer = 0; layer < kMostLayers; ++layer) {
+    if (layer > 0) painter.paint_behind(strip);
+    bool lets_through = false;
+    for (size_t i = 0; i < strip.is_touched.size(); ++i) {
+      const uint32_t id = strip.is_touched[i] ? strip.ids[i] : 0;
+      if (id == 0) continue;
+      const int width = strip.box.width();
+      const Eigen::Vector2d pixel(strip.box.left + static_cast<int>(i) % width,
+                                  strip.box.top + static_cast<int>(i) / width);
+      const float covered = opacity.at(id, screen.normalised(pixel));
+      const bool is_opaque = covered >= 1;
+      if (is_opaque || (covered > 0 && ids[i] == 0)) ids[i] = id;
+      if (is_opaque) strip.nearness[i] = -std::numeric_limits<float>::max();
+      lets_through |= !is_opaque;
+    }
+    if (!lets_through) return;
+  }
+}
+
+// Without `opacity` what is nearest is seen.
+IdImage paint_ids(const std::vector<PlacedBody>& bodies, const Screen& screen,
+                  SurfaceOpacity* opacity = nullptr) {
   std::vector<ScreenTriangle> triangles;
   for (const PlacedBody& body : bodies) {
     screen.append(*body.mesh, body.cam_from_body, body.first_id, triangles);
@@ -42,6 +70,10 @@ IdImage paint_ids(const std::vector<PlacedBody>& bodies, const Screen& screen) {
   while (painter->next(strip)) {
     const size_t first = static_cast<size_t>(strip.box.top - image.box.top) * image.box.width();
     const size_t count = static_cast<size_t>(strip.box.width()) * strip.box.height();
+    if (opacity != nullptr) {
+      look_through(*painter, strip, screen, *opacity, image.ids.data() + first);
+      continue;
+    }
     for (size_t i = 0; i < count; ++i) {
       image.ids[first + i] = strip.is_touched[i] ? strip.ids[i] : 0;
     }
@@ -189,7 +221,7 @@ size_t body_of(const std::vector<PlacedBody>& bodies, uint32_t id) {
   return static_cast<size_t>(after - bodies.begin()) - 1;
 }
 
-void state_truth(const Scene& scene, Frame& frame) {
+void state_truth(const Scene& scene, TextureCache& textures, Frame& frame) {
   const std::vector<PlacedBody> bodies = placed_bodies(scene, scene.cam_from_target);
   const cv::Size size(scene.camera.width_px, scene.camera.height_px);
   frame.depth_m = cv::Mat::zeros(size, CV_64F);
@@ -199,7 +231,9 @@ void state_truth(const Scene& scene, Frame& frame) {
   frame.truth.bodies.resize(bodies.size());
   const double reference_m = reference_depth_m(scene.target->mesh, scene.cam_from_target);
   const Screen screen(scene.camera, image_box(scene.camera), reference_m);
-  const IdImage image = paint_ids(bodies, screen);
+  SurfaceOpacity opacity(bodies, scene.colouring.draws_textures, textures);
+  const bool looks_through = scene.colouring.truth_sees == TruthSurface::kOpaque;
+  const IdImage image = paint_ids(bodies, screen, looks_through ? &opacity : nullptr);
   state_pixels(bodies, image, screen, frame);
   const bool is_alone = is_free(bodies, image.box, scene.camera);
   const Screen canvas(scene.camera, amodal_canvas(scene.camera), reference_m);

@@ -7,6 +7,7 @@
 
 #include "renderer/frame.h"
 #include "renderer/shading.h"
+#include "renderer/texture.h"
 #include "scenes/scene/scene.h"
 
 namespace sightline {
@@ -20,8 +21,9 @@ size_t body_of(const std::vector<PlacedBody>& bodies, uint32_t id);
 
 /// Depth, ids and the truth of every body, at mid-exposure. Ids are those of the pixels' centres,
 /// found in double precision; a depth is where the centre's ray meets the triangle of its id.
-/// Fills all of the frame but its image.
-void state_truth(const Scene& scene, Frame& frame);
+/// Fills all of the frame but its image. Which surface a pixel sees where some are see-through, the
+/// scene's colouring says; their textures are kept in `textures`.
+void state_truth(const Scene& scene, TextureCache& textures, Frame& frame);
 
 /// Part ids (CV_16U, index plus one) of the main target as if it were alone.
 cv::Mat part_ids_alone(const Scene& scene);

@@ -106,7 +106,8 @@ const std::set<std::pair<std::string, std::string>> kCatalogues = {
 const std::vector<std::string> kHeavy = {
     "osmesa.h", "assimp/",   "CGAL/",   "tiny_gltf",     "SQLite",  "toml++",
     "mustache", "Random123", "pugixml", "png.h",         "tiffio",  "turbojpeg",
-    "webp/",    "stb/",      "draco/",  "meshoptimizer", "yaml-cpp"};
+    "webp/",    "stb/",      "draco/",  "meshoptimizer", "yaml-cpp",
+    "OpenEXR/"};
 
 struct Include {
   fs::path file;

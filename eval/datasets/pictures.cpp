@@ -18,7 +18,10 @@ cv::Mat read_picture(const std::filesystem::path& file) {
 }
 
 cv::Mat read_grey_picture(const std::filesystem::path& file) {
-  const cv::Mat picture = read_picture(file);
+  return grey_of(read_picture(file));
+}
+
+cv::Mat grey_of(const cv::Mat& picture) {
   if (picture.depth() != CV_8U && picture.depth() != CV_16U) return {};
   cv::Mat grey;
   switch (picture.channels()) {

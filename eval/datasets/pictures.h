@@ -21,4 +21,7 @@ cv::Mat read_picture(const std::filesystem::path& file);
 /// The same as grey levels, one channel of 8 or 16 bits; empty where the file has no such picture.
 cv::Mat read_grey_picture(const std::filesystem::path& file);
 
+/// The grey of a picture as it was read; empty of one that has none.
+cv::Mat grey_of(const cv::Mat& picture);
+
 }  // namespace sightline

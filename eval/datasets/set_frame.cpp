@@ -46,7 +46,9 @@ SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
     out.problem = sighting.problem;
     return out;
   }
-  out.frame.image = read_grey_picture(sighting.picture);
+  const cv::Mat picture = read_picture(sighting.picture);
+  out.frame.image = grey_of(picture);
+  if (!out.frame.image.empty() && picture.channels() == 3) out.frame.colour = picture;
   if (out.frame.image.empty()) {
     out.problem = EstimateOutcome::kPictureUnreadable;
     return out;
@@ -58,7 +60,8 @@ SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
     out.problem = EstimateOutcome::kNotImaged;
     return out;
   }
-  state_truth(scene, out.frame);
+  TextureCache textures;
+  state_truth(scene, textures, out.frame);
   if (sighting.visible_mask.empty()) return out;
   const cv::Mat mask = read_grey_picture(sighting.visible_mask);
   if (mask.size() == out.frame.image.size()) {

@@ -16,6 +16,7 @@ namespace sightline {
 // Each in the file of its name in formats/.
 SetFormat bop_format();
 SetFormat speed_format();
+SetFormat yolo_format();
 
 EncodingText encoding_text(const SetPlan& plan) {
   const auto& setups = plan.images().setups;
@@ -31,7 +32,7 @@ EncodingText encoding_text(const SetPlan& plan) {
 }
 
 std::span<const SetFormat> set_formats() {
-  static const std::array kCatalogue = {bop_format(), speed_format()};
+  static const std::array kCatalogue = {bop_format(), speed_format(), yolo_format()};
   return kCatalogue;
 }
 

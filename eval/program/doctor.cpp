@@ -142,6 +142,7 @@ std::string library_licences() {
       {"meshoptimizer", "libmeshoptimizer-dev", "MIT"},
       {"Mustache", "libkainjow-mustache-dev", "BSL-1.0"},
       {"OpenCV", "libopencv-dev", "Apache-2.0"},
+      {"OpenEXR", "libopenexr-dev", "BSD-3-Clause"},
       {"pugixml", "libpugixml-dev", "MIT"},
       {"pybind11", "pybind11-dev", "BSD-3-Clause"},
       {"Random123", "librandom123-dev", "BSD-3-Clause"},

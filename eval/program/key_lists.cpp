@@ -23,9 +23,13 @@ struct KeyTable {
   /// As a file writes it: "[image]", "[[other]]"; the keys above all tables have none.
   std::string heading() const {
     if (name.empty()) return "Above all tables";
-    constexpr std::array<std::string_view, 6> kArrays = {"other",           "poses.fixed",
-                                                         "observations",    "estimates",
-                                                         "external.solver", "external.extractor"};
+    constexpr std::array<std::string_view, 7> kArrays = {"other",
+                                                         "lamp",
+                                                         "poses.fixed",
+                                                         "observations",
+                                                         "estimates",
+                                                         "external.solver",
+                                                         "external.extractor"};
     const bool is_array = std::find(kArrays.begin(), kArrays.end(), name) != kArrays.end();
     return is_array ? fmt::format("[[{}]]", name) : fmt::format("[{}]", name);
   }

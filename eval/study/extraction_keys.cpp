@@ -132,6 +132,14 @@ std::vector<Key> extraction_keys(ImageSetup& setup, double& bias_mesh_fraction) 
        "whether solvers that use lines (sightline list solvers) are given those that were found "
        "along edges"},
       {"extraction",
+       "channel",
+       choice(setup.channel,
+              {{"grey", ExtractedChannel::kGrey}, {"contrast", ExtractedChannel::kContrast}}),
+       {},
+       "",
+       "what extractors see of pictures in colour: their grey, or in each window the channel "
+       "(grey, red, green or blue) with the most contrast over noise"},
+      {"extraction",
        "passes",
        &setup.passes,
        {1, 10},

@@ -20,9 +20,9 @@ namespace {
 
 // Tables of an image study whose keys can be swept, and of one whose images are a data set's.
 const std::vector<std::string> kSweptOfDataset = {"prior", "extraction"};
-const std::vector<std::string> kSweptTables = {"camera", "poses", "image",     "background",
-                                               "noise",  "light", "livery",    "motion",
-                                               "other",  "prior", "extraction"};
+const std::vector<std::string> kSweptTables = {
+    "camera",      "poses",  "image",  "background", "noise", "light",     "lamp",
+    "environment", "livery", "motion", "other",      "prior", "extraction"};
 
 // What sets cells apart whose extractors differ.
 constexpr const char* kSweptExtractor = "extractor";
@@ -61,6 +61,11 @@ void read_extraction(const TomlTable& file, bool is_noise_known, ImageSetup& set
   read_key(file.table("extraction").table("lines"),
            find_key(extraction_keys(setup, mesh_fraction), "canny_low"));
   read_keys(file, extraction_keys(setup, mesh_fraction));
+  const bool is_drawn_grey = is_noise_known && setup.scene.colouring.mode == ColourMode::kGrey;
+  if (is_drawn_grey && setup.channel == ExtractedChannel::kContrast) {
+    file.table("extraction")
+        .fail("channel", "is \"contrast\", which needs image.colour = \"rgb\" or \"bayer\"");
+  }
   const bool is_noise_given = file.table("extraction").has("noise_sd_grey");
   if (is_noise_known || is_noise_given) {
     setup.registration.noise_sd_grey = setup.extractor_options.search.noise_sd_grey;
@@ -164,8 +169,8 @@ void add_cells(const TomlTable& table, const Condition& swept, ImageStudy& study
 // Swept keys are checked as all others are: those that nobody reads are unknown.
 void reject_unknown_scene_keys(const TomlTable& table) {
   for (const std::string& name : kSweptTables) {
-    if (name == "other") {
-      for (const TomlTable& other : table.tables(name)) other.reject_unknown_keys();
+    if (name == "other" || name == "lamp") {
+      for (const TomlTable& one : table.tables(name)) one.reject_unknown_keys();
     } else if (name != "poses") {
       table.table(name).reject_unknown_keys();
     }

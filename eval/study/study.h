@@ -101,6 +101,12 @@ enum class BiasRemoval {
   kKnownLight,
 };
 
+/// What of a picture in colour extractors look at.
+enum class ExtractedChannel {
+  kGrey,      ///< its grey
+  kContrast,  ///< in each window its grey, or the colour that has more contrast there
+};
+
 /// What an image study's file says of its frames and of the extraction of features from them. A
 /// study has one set-up or, where keys are swept, one for every combination of their values.
 struct ImageSetup {
@@ -112,6 +118,7 @@ struct ImageSetup {
   ExtractorOptions extractor_options;
   /// Whether solvers that use lines are given those that were found along edges.
   bool uses_lines = false;
+  ExtractedChannel channel = ExtractedChannel::kGrey;
   int passes = 1;  ///< of extraction; all but the first around the pose that came out before
   BiasRemoval bias_removal = BiasRemoval::kOff;
   /// What is rendered for it; null where it is off.

@@ -160,7 +160,7 @@ Trial recall_image_trial(const ImageStudy& study, uint64_t seed, const TrialReco
       pose_trial.observations = recorded.pose_trial().observations;
     } else {
       trial.observations =
-          extract(study, trial.record, trial.scene, trial.frame.image, renderer).observations;
+          extract(study, trial.record, trial.scene, trial.frame, renderer).observations;
       pose_trial.observations = compare_with_truth(study, trial);
       pose_trial.lines = lines_against_truth(study, trial);
     }
@@ -172,7 +172,7 @@ Trial recall_image_trial(const ImageStudy& study, uint64_t seed, const TrialReco
 void extract_and_solve(const ImageStudy& study, uint64_t seed, Trial& trial, Renderer& renderer) {
   TrialRecord& record = trial.record;
   PoseTrial& pose_trial = record.pose_trial();
-  Extraction extraction = extract(study, record, trial.scene, trial.frame.image, renderer);
+  Extraction extraction = extract(study, record, trial.scene, trial.frame, renderer);
   trial.observations = std::move(extraction.observations);
   pose_trial.observations = compare_with_truth(study, trial);
   pose_trial.lines = lines_against_truth(study, trial);

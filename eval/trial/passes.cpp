@@ -123,6 +123,12 @@ std::optional<PosePrior> improved(const Task& task, const std::vector<Observatio
   return PosePrior{estimate.cam_from_target, estimate.covariance.value()};
 }
 
+// What of a frame extractors see.
+cv::Mat looked_at(const Frame& frame, const ImageSetup& setup) {
+  const bool is_by_contrast = setup.channel == ExtractedChannel::kContrast;
+  return is_by_contrast && !frame.colour.empty() ? frame.colour : frame.image;
+}
+
 // What is known of the target alone at that pose, free of noise.
 cv::Mat rendering_at(const Pose& cam_from_target, const Scene& scene, const ImageSetup& setup,
                      Renderer& renderer) {
@@ -131,6 +137,9 @@ cv::Mat rendering_at(const Pose& cam_from_target, const Scene& scene, const Imag
   model.camera = scene.camera;
   model.cam_from_target = cam_from_target;
   model.light = scene.light;
+  model.lamps = scene.lamps;
+  model.environment = scene.environment;
+  if (setup.channel == ExtractedChannel::kContrast) model.colouring = scene.colouring;
   model.background.level = scene.background.level;
   model.samples_per_pixel = scene.samples_per_pixel;
   model.sensor.psf_sigma_px = scene.sensor.psf_sigma_px;
@@ -144,7 +153,7 @@ cv::Mat rendering_at(const Pose& cam_from_target, const Scene& scene, const Imag
     model.light.to_light_in_cam =
         rotation_from_vector(kWrongLightRad * axis) * model.light.to_light_in_cam;
   }
-  return renderer.render(model, RandomStream(0, "no noise", 0)).image;
+  return looked_at(renderer.render(model, RandomStream(0, "no noise", 0)), setup);
 }
 
 // Takes from every observation what its extractor errs on a rendering whose truth is known. What is
@@ -205,13 +214,13 @@ Extraction extract_in_passes(const Task& task, const Scene& scene, const cv::Mat
 }  // namespace
 
 Extraction extract(const ImageStudy& study, const TrialRecord& record, const Scene& scene,
-                   const cv::Mat& image, Renderer& renderer) {
+                   const Frame& frame, Renderer& renderer) {
   const ImageSetup& setup = study.setup_of(record.condition);
   const Task task{study, setup, scene.camera, std::exp2(scene.sensor.bits) - 1};
   const PosePrior prior =
       prior_of(record.pose_trial().prior_cam_from_target, scene.camera, setup.prior);
-  if (setup.guest) return ask_guest(task, record.trial, image, prior);
-  return extract_in_passes(task, scene, image, prior, renderer);
+  if (setup.guest) return ask_guest(task, record.trial, frame.image, prior);
+  return extract_in_passes(task, scene, looked_at(frame, setup), prior, renderer);
 }
 
 }  // namespace sightline

@@ -27,8 +27,8 @@ struct Extraction {
 /// lines, consensus with them), gate against the prior, extract again around the pose found. A pass
 /// that finds less than half of what the one before found is dropped. Of the scene only what a user
 /// would know is used: the camera, and, to remove the extractors' bias, target, light and
-/// background level.
+/// background level. A guest sees the grey picture.
 Extraction extract(const ImageStudy& study, const TrialRecord& record, const Scene& scene,
-                   const cv::Mat& image, Renderer& renderer);
+                   const Frame& frame, Renderer& renderer);
 
 }  // namespace sightline

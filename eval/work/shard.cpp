@@ -41,7 +41,7 @@ std::optional<int> whole_number(std::string_view text) {
   return value;
 }
 
-std::optional<int> variable(const Environment& environment, const char* name) {
+std::optional<int> variable(const ProcessVariables& environment, const char* name) {
   const char* value = name == nullptr ? nullptr : environment(name);
   return value == nullptr ? std::nullopt : whole_number(value);
 }
@@ -58,7 +58,7 @@ ShardChoice checked(const std::string& text, const std::string& source, int inde
 // and a part of one that is submitted again (--array=2), has its tasks' ids, but not which N they
 // were of: to count them from 0 would do other trials than before.
 void require_whole_array(const std::string& text, const Engine& engine,
-                         std::optional<int> given_count, const Environment& environment) {
+                         std::optional<int> given_count, const ProcessVariables& environment) {
   const std::optional<int> last = variable(environment, engine.max_index);
   const std::optional<int> tasks = variable(environment, engine.count);
   if (!last || !tasks) return;
@@ -75,7 +75,7 @@ void require_whole_array(const std::string& text, const Engine& engine,
 }
 
 ShardChoice from_engine(const std::string& text, std::optional<int> given_count,
-                        const Environment& environment) {
+                        const ProcessVariables& environment) {
   for (const Engine& engine : kEngines) {
     const std::optional<int> index = variable(environment, engine.index);
     if (!index) continue;
@@ -96,7 +96,7 @@ ShardChoice from_engine(const std::string& text, std::optional<int> given_count,
 
 }  // namespace
 
-ShardChoice read_shard(const std::string& text, const Environment& environment) {
+ShardChoice read_shard(const std::string& text, const ProcessVariables& environment) {
   const size_t slash = text.find('/');
   const std::string_view before = std::string_view(text).substr(0, slash);
   std::optional<int> count;

@@ -16,7 +16,7 @@ struct Shard {
 };
 
 /// The environment's variables that engines set, read through this so that tests can stand in.
-using Environment = std::function<const char*(const char*)>;
+using ProcessVariables = std::function<const char*(const char*)>;
 
 struct ShardChoice {
   Shard shard;
@@ -27,7 +27,7 @@ struct ShardChoice {
 /// Open MPI, PMI, a Slurm step, a Slurm array, an indexed Kubernetes Job (which has no count:
 /// auto/N). Throws InputError for anything else, for I outside 0..N-1, or when no engine has set
 /// its variables.
-ShardChoice read_shard(const std::string& text, const Environment& environment);
+ShardChoice read_shard(const std::string& text, const ProcessVariables& environment);
 
 /// The shard that the option --shard names, with the process's environment; the whole where it is
 /// empty. Says on stderr which, and by whose word, if `is_told`.

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,6 +13,13 @@
 #include "scenes/picture/picture_file.h"
 
 namespace sightline {
+
+/// What a regular file (or a link to one) holds, or why that cannot be had.
+struct FileBytes {
+  std::string bytes;
+  std::string problem;  ///< to stand after the file's name
+};
+FileBytes bytes_of_picture(const std::filesystem::path& file);
 
 /// Why a picture of this size may not be decoded; empty where it may.
 std::string size_problem(int64_t width, int64_t height, int64_t bytes_a_pixel);
@@ -32,6 +40,9 @@ PictureReading decode_jpeg(std::string_view bytes, PictureChannels channels);
 PictureReading decode_tiff(std::string_view bytes);
 PictureReading decode_webp(std::string_view bytes);
 PictureReading decode_bmp(std::string_view bytes);
+/// Of these, blue, green and red as 32-bit floats.
+PictureReading decode_exr(std::string_view bytes);
+PictureReading decode_hdr(std::string_view bytes);
 
 /// How a JPEG's Exif block says that the picture is turned: 1 (upright) to 8, 1 where it says
 /// nothing.

@@ -71,12 +71,9 @@ PictureFormat format_of(std::string_view bytes) {
   return head.starts_with("BM") ? PictureFormat::kBmp : PictureFormat::kOther;
 }
 
-struct FileBytes {
-  std::string bytes;
-  std::string problem;
-};
+}  // namespace
 
-FileBytes bytes_of(const fs::path& file) {
+FileBytes bytes_of_picture(const fs::path& file) {
   std::error_code error;
   const fs::file_status status = fs::status(file, error);
   if (!fs::exists(status)) return {{}, "is not there"};
@@ -92,8 +89,6 @@ FileBytes bytes_of(const fs::path& file) {
   if (!stream) return {{}, "cannot be read"};
   return {std::move(bytes), {}};
 }
-
-}  // namespace
 
 std::string size_problem(int64_t width, int64_t height, int64_t bytes_a_pixel) {
   if (width < 1 || height < 1) return "has no pixels";
@@ -133,7 +128,7 @@ PictureReading decode_picture(std::string_view bytes, PictureChannels channels) 
 }
 
 PictureReading read_picture_file(const fs::path& file, PictureChannels channels) {
-  const auto [bytes, problem] = bytes_of(file);
+  const auto [bytes, problem] = bytes_of_picture(file);
   if (!problem.empty()) return {{}, problem};
   return decode_picture(bytes, channels);
 }
@@ -157,7 +152,7 @@ std::optional<cv::Size> picture_size(std::string_view bytes) {
 }
 
 std::optional<cv::Size> picture_size(const fs::path& file) {
-  return picture_size(std::string_view(bytes_of(file).bytes));
+  return picture_size(std::string_view(bytes_of_picture(file).bytes));
 }
 
 }  // namespace sightline

@@ -19,7 +19,7 @@ namespace {
 
 Choice kind_choice(BackgroundKind& kind) {
   std::vector<std::pair<std::string, BackgroundKind>> worded;
-  for (int i = 0; i <= static_cast<int>(BackgroundKind::kImage); ++i) {
+  for (int i = 0; i <= static_cast<int>(BackgroundKind::kEnvironment); ++i) {
     const auto listed = static_cast<BackgroundKind>(i);
     worded.emplace_back(to_string(listed), listed);
   }
@@ -103,7 +103,8 @@ void read_picture(const TomlTable& table, BackgroundLaw& law) {
 }  // namespace
 
 std::string_view to_string(BackgroundKind kind) {
-  constexpr std::string_view kNames[] = {"uniform", "sky", "clouds", "stars", "image"};
+  constexpr std::string_view kNames[] = {"uniform", "sky",   "clouds",
+                                         "stars",   "image", "environment"};
   return kNames[static_cast<int>(kind)];
 }
 

@@ -16,11 +16,12 @@
 namespace sightline {
 
 enum class BackgroundKind {
-  kUniform,  ///< `level` everywhere
-  kSky,      ///< from level - contrast / 2 at one side to level + contrast / 2 at the other
-  kClouds,   ///< fractal noise about `level`
-  kStars,    ///< point sources on `level`
-  kImage,    ///< a picture, scaled to cover the image
+  kUniform,      ///< `level` everywhere
+  kSky,          ///< from level - contrast / 2 at one side to level + contrast / 2 at the other
+  kClouds,       ///< fractal noise about `level`
+  kStars,        ///< point sources on `level`
+  kImage,        ///< a picture, scaled to cover the image
+  kEnvironment,  ///< the panorama that lights the scene, as the camera sees it
 };
 
 std::string_view to_string(BackgroundKind kind);

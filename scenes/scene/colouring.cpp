@@ -38,6 +38,17 @@ std::vector<Key> keys_of(ColouringLaw& law, Colouring& colouring) {
        "an unknown format; grey draws it without, and says so",
        choice(colouring.takes_missing, {{"refuse", false}, {"grey", true}}),
        "takes_missing"},
+      {"image",
+       "truth_sees",
+       choice(law.truth_sees,
+              {{"nearest", TruthSurface::kNearest}, {"opaque", TruthSurface::kOpaque}}),
+       {},
+       "",
+       "of which surface depth, ids and masks are where one shows what is behind: the nearest, or "
+       "the nearest that lets no light through and, where there is none, the nearest that is seen; "
+       "for pictures in colour",
+       choice(colouring.truth_sees,
+              {{"nearest", TruthSurface::kNearest}, {"opaque", TruthSurface::kOpaque}})},
   };
 }
 
@@ -45,6 +56,11 @@ ColouringLaw read_colouring(const TomlTable& file) {
   ColouringLaw law;
   Colouring colouring;
   read_keys(file, keys_of(law, colouring));
+  if (law.truth_sees == TruthSurface::kOpaque && law.mode == ColourMode::kGrey) {
+    file.table("image").fail("truth_sees",
+                             "is \"opaque\", which needs image.colour = \"rgb\" or \"bayer\": in "
+                             "grey all surfaces are opaque");
+  }
   return law;
 }
 
@@ -77,12 +93,12 @@ std::vector<std::string> surface_notes(const ColouringLaw& law, const Mesh& mesh
   if (count > 0) {
     const char* verb = count == 1 ? " is" : "s are";
     notes.push_back(
-        is_grey ? fmt::format("{} see-through part{} drawn opaque (image.colour = \"rgb\": as they "
-                              "are)",
-                              count, verb)
-                : fmt::format("{} see-through part{} opaque to depth, ids, masks, features and "
-                              "shadows",
-                              count, verb));
+        is_grey
+            ? fmt::format("{} see-through part{} drawn opaque (image.colour = \"rgb\": as they "
+                          "are)",
+                          count, verb)
+            : fmt::format("{} see-through part{} opaque to {}features and shadows", count, verb,
+                          law.truth_sees == TruthSurface::kNearest ? "depth, ids, masks, " : ""));
   }
   return notes;
 }
@@ -96,7 +112,11 @@ Colouring draw_colouring(ColouringLaw law, const Draws& draws) {
 std::vector<Fact> facts_of(Colouring colouring) {
   if (colouring.mode == ColourMode::kGrey) return {};
   ColouringLaw law;
-  return facts_of(keys_of(law, colouring));
+  std::vector<Fact> facts = facts_of(keys_of(law, colouring));
+  if (colouring.truth_sees == TruthSurface::kNearest) {
+    std::erase_if(facts, [](const Fact& fact) { return fact.name == "truth_sees"; });
+  }
+  return facts;
 }
 
 }  // namespace sightline

@@ -18,10 +18,18 @@ enum class ColourMode {
   kBayer,  ///< the same through a sensor whose photosites see one colour each
 };
 
+/// Which of the surfaces along a pixel's ray the truth is of, where some let light through.
+enum class TruthSurface {
+  kNearest,  ///< the nearest, whatever its alpha
+  kOpaque,   ///< the nearest that lets no light through; where there is none, the nearest that is
+             ///< seen at all (its alpha is not 0)
+};
+
 struct Colouring {
   ColourMode mode = ColourMode::kGrey;
   bool draws_textures = true;  ///< and the colours of vertices; else factors alone
   bool takes_missing = false;  ///< a texture that is lost does not matter
+  TruthSurface truth_sees = TruthSurface::kNearest;
 };
 
 /// What a file says of it, the same for all frames.
@@ -29,6 +37,7 @@ struct ColouringLaw {
   ColourMode mode = Colouring{}.mode;
   bool draws_textures = Colouring{}.draws_textures;
   bool takes_missing = Colouring{}.takes_missing;
+  TruthSurface truth_sees = Colouring{}.truth_sees;
 };
 
 std::vector<Key> keys_of(ColouringLaw& law, Colouring& colouring);
@@ -47,7 +56,8 @@ std::vector<std::string> surface_notes(const ColouringLaw& law, const Mesh& mesh
 
 Colouring draw_colouring(ColouringLaw law, const Draws& draws);
 
-/// What the truth states of it: nothing of grey pictures, whose truth has always been without.
+/// What the truth states of it: nothing of grey pictures, whose truth has always been without, and
+/// of truth_sees where that is not the nearest.
 std::vector<Fact> facts_of(Colouring colouring);
 
 }  // namespace sightline

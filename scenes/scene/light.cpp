@@ -25,11 +25,6 @@ Eigen::Vector3d direction_at(const Eigen::Vector3d& to_camera, double phase, dou
          std::sin(phase) * (std::cos(azimuth) * right + std::sin(azimuth) * down);
 }
 
-// A light that is there says its direction; what was never there is not in the truth.
-bool is_optional(const Fact& fact) {
-  return fact.name == "second";
-}
-
 }  // namespace
 
 std::vector<Key> keys_of(LightLaw& law, Light& light) {
@@ -40,14 +35,20 @@ std::vector<Key> keys_of(LightLaw& law, Light& light) {
        {0, 1},
        "",
        "even glow: the grey of a white surface in it; 1 is white",
-       &light.ambient},
+       &light.ambient,
+       {},
+       false,
+       "0.3, in an [environment] 0"},
       {"light",
        "directional",
        &law.directional,
        {0, 1},
        "",
        "distant light: the grey that it adds to a white surface facing it",
-       &light.directional},
+       &light.directional,
+       {},
+       false,
+       "0.75, in an [environment] 0"},
       {"light",
        "specular",
        &law.specular,
@@ -69,6 +70,14 @@ std::vector<Key> keys_of(LightLaw& law, Light& light) {
        "",
        "whether bodies shade each other and themselves from the distant light",
        &light.casts_shadow},
+      {"light",
+       "radius_deg",
+       &law.radius_deg,
+       {0, 10},
+       "deg",
+       "angular radius of the distant light, by which its shadows are soft; of the sun from the "
+       "Earth 0.2666",
+       &light.radius_deg},
       {"light",
        "cone_deg",
        &law.cone_deg,
@@ -143,6 +152,9 @@ LightLaw read_light(const TomlTable& file) {
   if (table.has("phase_deg") && table.has("cone_deg")) {
     table.fail("cone_deg", "cannot stand beside phase_deg: give one or the other");
   }
+  if (table.has("radius_deg") && !table.flag("casts_shadow", false)) {
+    table.fail("radius_deg", "needs casts_shadow = true beside it");
+  }
   if (table.has("azimuth_deg") && !table.has("phase_deg")) {
     table.fail("azimuth_deg", "needs phase_deg beside it");
   }
@@ -182,11 +194,12 @@ std::vector<Fact> facts_of(Light light) {
   const auto add = [&facts](const char* name, const Eigen::Vector3d& v) {
     facts.push_back({name, std::vector{v.x(), v.y(), v.z()}});
   };
-  if (light.second > 0) {
-    add("to_second_in_cam", light.to_second_in_cam);
-  } else {
-    std::erase_if(facts, is_optional);
-  }
+  // What was never there is not in the truth.
+  std::erase_if(facts, [&light](const Fact& fact) {
+    return (fact.name == "second" && !(light.second > 0)) ||
+           (fact.name == "radius_deg" && !(light.radius_deg > 0));
+  });
+  if (light.second > 0) add("to_second_in_cam", light.to_second_in_cam);
   if (light.colour != Light{}.colour) add("colour", light.colour);
   if (light.second_colour != Light{}.second_colour) add("second_colour", light.second_colour);
   return facts;

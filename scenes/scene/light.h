@@ -24,6 +24,9 @@ struct Light {
   double specular = 0;
   double shininess = 20;
   bool casts_shadow = false;  ///< all bodies shade each other and themselves from `directional`
+  /// Of the distant light's disc. Shadows are as soft as it makes them; all else comes from its
+  /// middle.
+  double radius_deg = 0;
   /// A second distant light (the Earth's, a wall's), which adds to `directional` as that does, but
   /// has no highlights on dull surfaces and casts no shadow.
   double second = 0;
@@ -40,6 +43,7 @@ struct LightLaw {
   Range specular = Light{}.specular;
   Range shininess = Light{}.shininess;
   bool casts_shadow = Light{}.casts_shadow;
+  Range radius_deg = Light{}.radius_deg;
   double cone_deg = 45;  ///< the direction is uniform in that cone about the one to the camera ...
   std::optional<Range> phase_deg;  ///< ... or at this angle from it,
   Range azimuth_deg{0, 360};       ///< towards this side; 0 is image right, 90 down

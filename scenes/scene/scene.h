@@ -10,7 +10,9 @@
 #include "pose/pose.h"
 #include "scenes/scene/background.h"
 #include "scenes/scene/colouring.h"
+#include "scenes/scene/environment.h"
 #include "scenes/scene/imaging.h"
+#include "scenes/scene/lamps.h"
 #include "scenes/scene/light.h"
 #include "scenes/scene/livery.h"
 #include "scenes/scene/motion.h"
@@ -27,6 +29,8 @@ struct Scene {
   Pose cam_from_target;
   std::vector<OtherBody> others;
   Light light;
+  std::vector<Lamp> lamps;
+  Environment environment;
   Background background;
   Livery livery;
   Motion motion;

@@ -21,6 +21,13 @@ void require_imageable(const TomlTable& poses, const SceneLaw& law) {
   }
 }
 
+// A panorama is all the light there is, but for what the file adds.
+void leave_light_to_environment(const TomlTable& file, LightLaw& light) {
+  const TomlTable table = file.table("light");
+  if (!table.has("ambient")) light.ambient = 0;
+  if (!table.has("directional")) light.directional = 0;
+}
+
 bool has_all_features_inside(const SceneLaw& law, const Pose& cam_from_target) {
   return std::all_of(law.features.begin(), law.features.end(), [&](int feature) {
     const Eigen::Vector3d& position = law.target->features[feature].position_m;
@@ -59,7 +66,13 @@ SceneLaw read_scene_law(const TomlTable& table, std::shared_ptr<const Target> ta
   law.colouring = read_colouring(table);
   require_textures(table, law.colouring, law.target->name, law.target->mesh);
   law.light = read_light(table);
+  law.lamps = read_lamps(table);
+  law.environment = read_environment(table);
+  if (law.environment.is_there()) leave_light_to_environment(table, law.light);
   law.background = read_background(table);
+  if (law.background.kind == BackgroundKind::kEnvironment && !law.environment.is_there()) {
+    table.table("background").fail("kind", "is \"environment\", which needs environment.file");
+  }
   Livery livery;
   read_keys(table, keys_of(law.livery, livery));
   Motion motion;
@@ -90,6 +103,9 @@ std::vector<KeyText> scene_keys() {
   add(keys_of(law.colouring, scene.colouring), "scene.colouring");
   add(keys_of(law.background, scene.background), "scene.background");
   add(keys_of(law.light, scene.light), "scene.light");
+  LampLaw lamp;
+  add(keys_of(lamp), "scene.lamps");
+  add(keys_of(law.environment, scene.environment), "scene.environment");
   add(keys_of(law.livery, scene.livery), "scene.livery");
   add(keys_of(law.motion, scene.motion), "scene.motion");
   add(keys_of(other), "bodies");
@@ -105,6 +121,8 @@ DrawnScene draw_scene(const SceneLaw& law, int given_pose, uint64_t seed, int64_
   scene.samples_per_pixel = law.samples_per_pixel;
   draw_pose(law, given_pose, draws, drawn);
   scene.light = draw_light(law.light, scene.cam_from_target, draws);
+  scene.lamps = draw_lamps(law.lamps, scene.cam_from_target, draws);
+  scene.environment = draw_environment(law.environment, draws);
   scene.background = draw_background(law.background, draws);
   scene.livery = draw_livery(law.livery, draws);
   scene.motion = draw_motion(law.motion, law.camera, scene.cam_from_target, draws);

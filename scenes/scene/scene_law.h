@@ -14,8 +14,9 @@
 namespace sightline {
 
 /// What the frames of a study's cell or of an image set have in common, and what is drawn for each:
-/// the tables [camera], [poses], [image], [background], [noise], [light], [livery], [motion] and
-/// [[other]] of a scene file. Each part is read and drawn in a file of its own.
+/// the tables [camera], [poses], [image], [background], [noise], [light], [environment], [livery],
+/// [motion], [[lamp]] and [[other]] of a scene file. Each part is read and drawn in a file of its
+/// own.
 struct SceneLaw {
   std::shared_ptr<const Target> target;
   std::vector<int> features;  ///< indices into the target's; drawn poses keep them in the image
@@ -23,6 +24,8 @@ struct SceneLaw {
   PoseLaw poses;
   std::vector<OtherLaw> others;
   LightLaw light;
+  std::vector<LampLaw> lamps;
+  EnvironmentLaw environment;
   BackgroundLaw background;
   LiveryLaw livery;
   MotionLaw motion;

@@ -90,6 +90,39 @@ TEST(HoughIntersection, FindsTheTipOfAWedge) {
   }
 }
 
+// A blue wing before a sky of the same grey: its red differs most.
+cv::Mat blue_wedge_image(const Eigen::Vector2d& tip) {
+  std::vector<cv::Mat> channels;
+  for (const auto& [sky, wing] : {std::pair{160.0, 250.0}, {150.0, 178.0}, {150.0, 60.0}}) {
+    channels.push_back(wedge_image(tip, 10, 80, 1, sky, wing));
+  }
+  cv::Mat image;
+  cv::merge(channels, image);
+  return image;
+}
+
+TEST(Channels, OfAPictureInColourTheOneWithTheMostContrastIsLookedAt) {
+  const Eigen::Vector2d tip(61.3, 58.8);
+  const cv::Mat image = blue_wedge_image(tip);
+  const Observation found = extract(image, line_prediction(tip, 10, 80));
+  ASSERT_EQ(found.status, ObservationStatus::kFound);
+  EXPECT_LT((found.pixel - tip).norm(), 0.8);
+  cv::Mat grey, wide;
+  cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
+  EXPECT_NE(extract(grey, line_prediction(tip, 10, 80)).status, ObservationStatus::kFound);
+  image.convertTo(wide, CV_16U, 4095 / 255.0);
+  EXPECT_EQ(extract(wide, line_prediction(tip, 10, 80), 4095).status, ObservationStatus::kFound);
+}
+
+TEST(Channels, WhatHasNoColourIsLookedAtInItsGrey) {
+  const Eigen::Vector2d tip(61.3, 58.8);
+  const cv::Mat grey = wedge_image(tip, 10, 80);
+  cv::Mat image;
+  cv::merge(std::vector<cv::Mat>{grey, grey, grey}, image);
+  EXPECT_EQ(extract(image, line_prediction(tip, 10, 80)).pixel,
+            extract(grey, line_prediction(tip, 10, 80)).pixel);
+}
+
 TEST(HoughIntersection, WorksOnSixteenBits) {
   const Eigen::Vector2d tip(61.3, 58.8);
   cv::Mat image;

@@ -127,5 +127,36 @@ TEST(SeeThrough, AMaskIsThereWhereItReachesItsCutoff) {
   expect_rgb(halves(0.9).first, {0, 0, 1});
 }
 
+int part_in_the_middle(Scene scene, TruthSurface sees) {
+  scene.colouring.truth_sees = sees;
+  Renderer renderer;
+  return renderer.render(scene, RandomStream(1, "sensor", 0)).part_ids.at<uint16_t>(250, 260);
+}
+
+TEST(SeeThrough, TheTruthSeesTheNearestOrWhatLetsNoLightThrough) {
+  const Scene scene = scene_of(panes({kRed, kGreen, kBlue}));
+  EXPECT_EQ(part_in_the_middle(scene, TruthSurface::kNearest), 1);
+  EXPECT_EQ(part_in_the_middle(scene, TruthSurface::kOpaque), 3);
+  // With nothing opaque behind it is the nearest pane after all, unless that is not seen.
+  const Scene glass = scene_of(panes({kRed, kGreen}));
+  EXPECT_EQ(part_in_the_middle(glass, TruthSurface::kOpaque), 1);
+  const Pane nothing{-0.03, {1, 1, 1, 0}, AlphaMode::kBlend};
+  EXPECT_EQ(part_in_the_middle(scene_of(panes({nothing, kRed})), TruthSurface::kNearest), 1);
+  EXPECT_EQ(part_in_the_middle(scene_of(panes({nothing, kRed})), TruthSurface::kOpaque), 2);
+  // A mask is there or not.
+  const Pane hole{-0.03, {1, 1, 1, 0.4}, AlphaMode::kMask};
+  const Pane sheet{-0.03, {1, 1, 1, 0.6}, AlphaMode::kMask};
+  EXPECT_EQ(part_in_the_middle(scene_of(panes({hole, kBlue})), TruthSurface::kOpaque), 2);
+  EXPECT_EQ(part_in_the_middle(scene_of(panes({sheet, kBlue})), TruthSurface::kOpaque), 1);
+}
+
+TEST(SeeThrough, DepthIsOfTheSurfaceThatTheIdsSay) {
+  Scene scene = scene_of(panes({kRed, kBlue}));
+  scene.colouring.truth_sees = TruthSurface::kOpaque;
+  const Frame frame = Renderer().render(scene, RandomStream(1, "sensor", 0));
+  EXPECT_NEAR(frame.depth_m.at<double>(250, 260), 10, 1e-9);  // kBlue's
+  EXPECT_EQ(frame.truth.target().visible_pixels, cv::countNonZero(frame.part_ids == 2));
+}
+
 }  // namespace
 }  // namespace sightline

@@ -95,16 +95,16 @@ Json model_info(const Mesh& mesh) {
           {"size_z", size.z()}};
 }
 
-std::vector<SetFile> model_files(std::span<const Mesh* const> meshes) {
+std::vector<SetFile> model_files(std::span<const Mesh* const> meshes, bool is_in_colour) {
   std::vector<SetFile> files;
   Json infos = Json::object();
   for (size_t i = 0; i < meshes.size(); ++i) {
     const auto obj_id = static_cast<int64_t>(i) + 1;
     infos[fmt::to_string(obj_id)] = model_info(*meshes[i]);
     const std::string bytes = ply_bytes(*meshes[i]);
-    for (const std::string_view folder : {kModelsFolder, kEvaluatedModelsFolder}) {
-      files.push_back({fmt::format("{}/{}", folder, model_file(obj_id)), bytes});
-    }
+    const std::string shown = is_in_colour ? coloured_ply_bytes(*meshes[i]) : bytes;
+    files.push_back({fmt::format("{}/{}", kModelsFolder, model_file(obj_id)), shown});
+    files.push_back({fmt::format("{}/{}", kEvaluatedModelsFolder, model_file(obj_id)), bytes});
   }
   for (const std::string_view folder : {kModelsFolder, kEvaluatedModelsFolder}) {
     files.push_back({fmt::format("{}/{}", folder, kModelsInfoFile), infos.dump(2) + "\n"});

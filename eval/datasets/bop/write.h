@@ -65,8 +65,9 @@ std::string camera_file(const Camera& camera, double depth_scale);
 /// min_x, ... and size_x, ...
 Json model_info(const Mesh& mesh);
 
-/// The folders models/ and models_eval/, which are equal: the i-th mesh is that of object i + 1.
-std::vector<SetFile> model_files(std::span<const Mesh* const> meshes);
+/// The folders models/ and models_eval/, which are equal but for normals and colours in models/ of
+/// a set in colour: the i-th mesh is that of object i + 1.
+std::vector<SetFile> model_files(std::span<const Mesh* const> meshes, bool is_in_colour);
 
 /// A depth image in 16-bit steps of `depth_scale` millimetres, rounded; 0 of the background (0 m)
 /// and of what lies beyond 16 bits. `depth_m` is CV_64F.

@@ -238,6 +238,13 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
       fmt::arg("model", lens.title));
 }
 
+bool shows_colours(const SetPlan& plan) {
+  const auto& setups = plan.images().setups;
+  return std::any_of(setups.begin(), setups.end(), [](const ImageSetup& setup) {
+    return setup.scene.colouring.mode != ColourMode::kGrey;
+  });
+}
+
 std::vector<SetFile> bop_set_files(const SetPlan& plan) {
   std::vector<SetFile> files = {
       {std::string(bop::kCameraFile),
@@ -245,7 +252,8 @@ std::vector<SetFile> bop_set_files(const SetPlan& plan) {
       {"dataset_info.md", dataset_info(plan)}};
   std::vector<const Mesh*> meshes;
   for (const auto& object : plan.objects) meshes.push_back(&object->mesh);
-  for (SetFile& file : bop::model_files(meshes)) files.push_back(std::move(file));
+  for (SetFile& file : bop::model_files(meshes, shows_colours(plan)))
+    files.push_back(std::move(file));
   return files;
 }
 

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // What others' files say: results and models in BOP's formats.
+#include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
 
 #include <gmock/gmock.h>
@@ -92,6 +94,38 @@ TEST(BopModelFile, ReadsWhatWeWrite) {
   ASSERT_EQ(mesh.vertices.size(), 3u);
   EXPECT_EQ(mesh.vertices[2], Eigen::Vector3d(0, 0, 3.5));
   ASSERT_EQ(mesh.triangles.size(), 1u);
+}
+
+// Two triangles that share an edge, of parts in two colours; the first has a texture whose left
+// half is black.
+TEST(BopModelFile, InColourHasTheSameVerticesWithTheirMeans) {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
+  Material white, red;
+  white.base_texture.texture = 0;
+  red.base = {1, 0, 0, 1};
+  mesh.parts = {{"white", 1, white}, {"red", 0.2, red}};
+  mesh.triangles = {{.vertex = {0, 1, 2}, .part = 0}, {.vertex = {3, 2, 1}, .part = 1}};
+  Texture halves{.name = "h", .width = 2, .height = 1, .rgba = {0, 0, 0, 255, 255, 255, 255, 255}};
+  mesh.textures = {std::make_shared<const Texture>(halves)};
+  mesh.coats.resize(2);
+  mesh.coats[0].uv = {Eigen::Vector2f(0.25f, 0), Eigen::Vector2f(0.75f, 0),
+                      Eigen::Vector2f(0.75f, 0)};
+  compute_corner_normals(mesh, 0.1);
+  const std::string bytes = coloured_ply_bytes(mesh);
+  const TemporaryFolder folder;
+  EXPECT_EQ(read_ply_as_it_is(folder.write("c.ply", bytes)).vertices,
+            read_ply_as_it_is(folder.write("p.ply", ply_bytes(mesh))).vertices);
+  // Three coordinates and three of the normal, then the colour.
+  const size_t first = bytes.find("end_header\n") + 11;
+  const auto colour_of = [&](size_t vertex) {
+    const size_t at = first + vertex * 27 + 24;
+    return std::array<int, 3>{static_cast<uint8_t>(bytes[at]), static_cast<uint8_t>(bytes[at + 1]),
+                              static_cast<uint8_t>(bytes[at + 2])};
+  };
+  EXPECT_EQ(colour_of(0), (std::array{0, 0, 0}));        // on the texture's dark half
+  EXPECT_EQ(colour_of(3), (std::array{255, 0, 0}));      // red alone
+  EXPECT_EQ(colour_of(1), (std::array{255, 188, 188}));  // half of each light, as sRGB has it
 }
 
 TEST(BopModelFile, ABrokenOneIsSaid) {

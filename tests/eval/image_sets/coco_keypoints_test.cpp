@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <gmock/gmock.h>
@@ -45,9 +48,7 @@ class CocoKeypoints : public testing::Test {
   json read(const std::string& file) const {
     return json::parse(read_whole(folder_.path() / file));
   }
-  cv::Mat picture(const std::string& file) const {
-    return read_picture_file(path(file)).pixels;
-  }
+  cv::Mat picture(const std::string& file) const { return read_picture_file(path(file)).pixels; }
   // The body of an annotation in our own truth; of sets of one scene.
   json body_of(const std::string& set, const json& annotation) const {
     const json truth = read(
@@ -311,6 +312,37 @@ TEST_F(CocoKeypoints, AreOfBopAlone) {
     EXPECT_NE(entry.path().filename(), "scene_gt_coco_keypoints.json");
   }
   EXPECT_EQ(verify("set").exit_code, 0) << verify("set").output;
+}
+
+// Read by the documentation of Ultralytics: parts of the image from its top-left corner.
+TEST_F(CocoKeypoints, OfYoloAreTheSameInPartsOfTheImage) {
+  const std::string more =
+      "--count 4 --set 'poses.lateral_m=[-1.4,1.4]' --set 'poses.range_m=[8,12]' "
+      "--set poses.max_redraws=0";
+  ASSERT_EQ(render("set", more).exit_code, 0);
+  ASSERT_EQ(render("yolo", "--format yolo " + more).exit_code, 0);
+  EXPECT_EQ(verify("yolo").exit_code, 0) << verify("yolo").output;
+  EXPECT_THAT(read_whole(path("yolo/data.yaml")), HasSubstr("kpt_shape: [8, 3]"));
+  const json coco = read("set/" + kFile);
+  for (const json& annotation : coco.at("annotations")) {
+    std::ifstream label(
+        path(fmt::format("yolo/labels/{:06}.txt", annotation.at("image_id").get<int>())));
+    const std::vector<double> numbers{std::istream_iterator<double>(label), {}};
+    ASSERT_EQ(numbers.size(), 5u + 3 * 8);
+    const json& box = annotation.at("bbox");
+    EXPECT_EQ(numbers[0], 0);
+    EXPECT_NEAR(64 * (numbers[1] - numbers[3] / 2), box[0].get<double>(), 1e-5);
+    EXPECT_NEAR(64 * numbers[4], box[3].get<double>(), 1e-5);
+    for (size_t k = 0; k < 8; ++k) {
+      const json& keypoints = annotation.at("keypoints");
+      const double v = keypoints[3 * k + 2];
+      EXPECT_EQ(numbers[5 + 3 * k + 2], v);
+      const double u = v > 0 ? keypoints[3 * k].get<double>() + 0.5 : 0;
+      EXPECT_NEAR(64 * numbers[5 + 3 * k], u, 1e-5);
+    }
+  }
+  std::ofstream(path("yolo/labels/000002.txt")) << "0 0.5 0.5 1 1";
+  EXPECT_THAT(verify("yolo").output, HasSubstr("labels/000002.txt is not what the truth says"));
 }
 
 }  // namespace

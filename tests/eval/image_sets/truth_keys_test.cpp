@@ -9,6 +9,7 @@
 
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
+#include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
 namespace {
@@ -57,10 +58,15 @@ std::vector<std::string> keys_missing_in(const Json& truth) {
 }
 
 TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
+  const TemporaryFolder folder;
+  const auto panorama = folder.write(
+      "grey.hdr", "#?RADIANCE\n\n-Y 1 +X 2\n" + std::string({64, 64, 64, 127, 64, 64, 64, 127}));
   Json truth = truth_with(
       {"other=[{target='cube', scale=0.1}]", "image.colour=rgb", "image.vignetting=0.1",
        "image.jpeg_quality=90", "image.white_balance=[1.0, 1.0, 2.0]", "light.second=0.1",
-       "light.colour=[1.0, 1.0, 0.5]", "light.second_colour=[1.0, 0.5, 0.5]", "camera.skew_px=1"});
+       "light.colour=[1.0, 1.0, 0.5]", "light.second_colour=[1.0, 0.5, 0.5]",
+       "light.casts_shadow=true", "light.radius_deg=0.27", "lamp=[{strength=0.5}]",
+       "environment.file=" + panorama.string(), "image.truth_sees=opaque", "camera.skew_px=1"});
   EXPECT_THAT(keys_missing_in(truth), IsEmpty());
   for (const char* fact : {"is_srgb", "defect_seed"}) {
     EXPECT_TRUE(truth["scene"]["sensor"].contains(fact)) << fact;
@@ -73,8 +79,10 @@ TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
 // Sets of before colour are verified by what they state.
 TEST(Truth, OfAGreyPictureIsWhatItAlwaysWas) {
   const Json scene = truth_with({})["scene"];
-  EXPECT_FALSE(scene.contains("colouring"));
-  for (const char* fact : {"second", "to_second_in_cam", "colour", "second_colour"}) {
+  for (const char* part : {"colouring", "lamps", "environment"}) {
+    EXPECT_FALSE(scene.contains(part)) << part;
+  }
+  for (const char* fact : {"second", "to_second_in_cam", "colour", "second_colour", "radius_deg"}) {
     EXPECT_FALSE(scene["light"].contains(fact)) << fact;
   }
   for (const char* fact : {"vignetting", "jpeg_quality", "white_balance"}) {

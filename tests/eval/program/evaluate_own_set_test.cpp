@@ -121,6 +121,9 @@ TEST_F(OwnSet, GivesWhatTheStudyGaveThatRenderedIt) {
       {"bop",
        {kRational, kRationalLens, kSkew},
        "[camera]\nlens = \"rational\"\ndistortion = [-0.5, 3, 0.01, 0.02, 0, 1, 2, 3]\n"},
+      {"bop",
+       {"image.colour=rgb", "extraction.channel=contrast"},
+       "[extraction]\nchannel = \"contrast\"\n"},
       {"bop", {kOccluders}, ""}};
   Renderer renderer;
   for (const OwnCase& c : cases) {

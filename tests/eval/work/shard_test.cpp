@@ -20,7 +20,7 @@ namespace {
 
 using testing::HasSubstr;
 
-Environment environment(std::map<std::string, std::string> variables) {
+ProcessVariables environment(std::map<std::string, std::string> variables) {
   auto kept = std::make_shared<std::map<std::string, std::string>>(std::move(variables));
   return [kept](const char* name) -> const char* {
     const auto found = kept->find(name);

@@ -43,7 +43,47 @@ TEST(Light, ASecondOneStandsWhereItIsSaidAndMovesNoOther) {
   EXPECT_EQ(facts_of(both.light).size(), facts_of(alone.light).size() + 3);
 }
 
+TEST(Light, ADiscIsStatedWhereThereIsOne) {
+  const auto light_of = [](const std::string& keys) {
+    return draw_scene(law_of("[light]\ncasts_shadow = true\n" + keys), 0, 7, 0).scene.light;
+  };
+  EXPECT_EQ(light_of("radius_deg = 0.27").radius_deg, 0.27);
+  EXPECT_EQ(facts_of(light_of("radius_deg = 0.27")).size(), facts_of(light_of("")).size() + 1);
+}
+
+TEST(Lamps, TheyStandWhereTheyAreSaidAndShineAsFarAsTheTarget) {
+  const SceneLaw law = law_of(
+      "[[lamp]]\nposition_m = [0.5, 0, 0]\nstrength = [0.5, 0.75]\n"
+      "[[lamp]]\nspread_m = 0.1\ndirection = [0, 0, 2]\ncone_deg = 20\ndistance_m = 3");
+  const Scene scene = draw_scene(law, 0, 7, 0).scene;
+  ASSERT_EQ(scene.lamps.size(), 2U);
+  const auto& first = scene.lamps[0];
+  EXPECT_EQ(first.position_in_cam_m, Eigen::Vector3d(0.5, 0, 0));
+  EXPECT_GE(first.strength, 0.5);
+  EXPECT_LE(first.strength, 0.75);
+  EXPECT_EQ(first.distance_m, (scene.cam_from_target.translation - first.position_in_cam_m).norm());
+  const auto& second = scene.lamps[1];
+  EXPECT_GT(second.position_in_cam_m.norm(), 0);
+  EXPECT_LE(second.position_in_cam_m.cwiseAbs().maxCoeff(), 0.1);
+  EXPECT_EQ(second.distance_m, 3);
+  EXPECT_EQ(second.direction_in_cam, Eigen::Vector3d::UnitZ());
+  EXPECT_EQ(cone_share(second, std::cos(21 * kDegree)), 0);
+  EXPECT_NE(draw_scene(law, 0, 7, 1).scene.lamps[0].strength, first.strength);
+  // Other draws stay what they were.
+  EXPECT_EQ(draw_scene(law_of(""), 0, 7, 0).scene.cam_from_target.translation,
+            scene.cam_from_target.translation);
+}
+
+TEST(Lamps, MistakesGetOneClearLine) {
+  EXPECT_THAT(law_error("[[lamp]]\ndirection = [0, 0, 0]"), HasSubstr("must point somewhere"));
+  EXPECT_THAT(law_error("[[lamp]]\ncone_deg = 10\nfull_deg = 20"), HasSubstr("at most cone_deg"));
+  EXPECT_THAT(law_error("[[lamp]]\ncolour = [2, 0, 0]"), HasSubstr("from 0 to 1"));
+  EXPECT_THAT(law_error("[[lamp]]\nstrength = -1"), HasSubstr("strength"));
+  EXPECT_THAT(law_error("[[lamp]]\nstrenght = 1"), HasSubstr("strenght"));
+}
+
 TEST(Light, MistakesGetOneClearLine) {
+  EXPECT_THAT(law_error("[light]\nradius_deg = 1"), HasSubstr("needs casts_shadow"));
   EXPECT_THAT(law_error("[light]\ncolour = [1.0, 2.0, 0.0]"), HasSubstr("from 0 to 1"));
   EXPECT_THAT(law_error("[light]\nsecond = 1.5"), HasSubstr("second"));
   EXPECT_THAT(law_error("[light]\nphase_deg = 10\ncone_deg = 5"), HasSubstr("cone_deg"));
