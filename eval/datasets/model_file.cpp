@@ -14,6 +14,7 @@
 
 #include "eval/datasets/conventions.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
@@ -55,8 +56,7 @@ std::string ply_bytes(const Mesh& mesh) {
 }
 
 Mesh read_ply_as_it_is(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail(file, "is missing or cannot be read");
+  std::ifstream stream = open_input_file(file, kMostModelBytes);
   std::vector<Point> points;
   std::vector<std::vector<size_t>> faces;
   bool is_read = false;
