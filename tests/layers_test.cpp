@@ -53,7 +53,7 @@ const Rooms kEvalRooms = {
     {"tables", {"output", "study", "summary"}},
     {"target", {"output", "statistics", "study"}},
     {"summary", {"records", "statistics", "study"}},
-    {"results", {"output", "records", "study"}},
+    {"results", {"output", "records", "study", "work"}},
     {"trial", {"datasets", "doors", "metrics", "records", "statistics", "study"}},
     {"study", {"datasets", "doors", "output", "records"}},
     {"doors", {"datasets", "output", "records", "work"}},

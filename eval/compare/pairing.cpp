@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/results/expected_trials.h"
 #include "eval/results/store.h"
 #include "scenes/files/input_error.h"
 
@@ -102,6 +103,36 @@ std::string condition_of(const ComparedRun& run, const TrialRecord& trial) {
   const auto index = static_cast<size_t>(trial.condition);
   return index < run.conditions.size() ? run.conditions[index] : "";
 }
+
+// The trials of a run, each checked against what its summary speaks of.
+class TrialsOfRun {
+ public:
+  explicit TrialsOfRun(const ComparedRun& run)
+      : store_(Store::open(*run.store)),
+        expected_(expected_trials(store_, static_cast<int64_t>(run.conditions.size()),
+                                  solvers_of(run.summary))),
+        next_(checked_reader(store_, expected_)) {}
+  TrialsOfRun(const TrialsOfRun&) = delete;
+  TrialsOfRun& operator=(const TrialsOfRun&) = delete;
+
+  std::optional<TrialRecord> next() const { return next_(); }
+
+ private:
+  // Every condition has the same: those of the first.
+  static std::vector<std::string> solvers_of(const Json& summary) {
+    std::vector<std::string> solvers;
+    const Json& cells = summary.at("cells");
+    for (const Json& cell : cells) {
+      if (cell.at("condition") != cells.front().at("condition")) break;
+      solvers.push_back(text_in(cell, "solver"));
+    }
+    return solvers;
+  }
+
+  Store store_;
+  ExpectedTrials expected_;
+  NextTrial next_;
+};
 
 // The store's own is surely of its trials; a summary.json alone may have the file beside it.
 std::optional<std::string> study_as_run(const ComparedRun& run, const fs::path& file) {
@@ -203,21 +234,22 @@ Pairs pair_trials(const ComparedRun& base, const ComparedRun& now,
                                 now.summary.at("seed").dump());
     return pairs;
   }
-  const std::vector<TrialRecord> of_base = Store::open(*base.store).trials();
-  const std::vector<TrialRecord> of_now = Store::open(*now.store).trials();
-  auto match = of_now.begin();
-  for (const TrialRecord& trial : of_base) {
-    while (match != of_now.end() && match->trial < trial.trial) ++match;
-    if (match == of_now.end()) break;
-    if (match->trial != trial.trial) {
+  // Side by side, one trial of each in memory: a run may have millions.
+  const TrialsOfRun of_base(base);
+  const TrialsOfRun of_now(now);
+  auto match = of_now.next();
+  for (auto trial = of_base.next(); trial; trial = of_base.next()) {
+    while (match && match->trial < trial->trial) match = of_now.next();
+    if (!match) break;
+    if (match->trial != trial->trial) {
       ++pairs.left_out;
       continue;
     }
-    const std::string condition = condition_of(base, trial);
-    if (condition != condition_of(now, *match) || !has_same_truth(trial, *match)) {
-      return {{}, 0, 0, fmt::format("trial {} is another draw in each", trial.trial)};
+    const std::string condition = condition_of(base, *trial);
+    if (condition != condition_of(now, *match) || !has_same_truth(*trial, *match)) {
+      return {{}, 0, 0, fmt::format("trial {} is another draw in each", trial->trial)};
     }
-    add_pair(trial, *match, numbers, condition, pairs.cells);
+    add_pair(*trial, *match, numbers, condition, pairs.cells);
     ++pairs.count;
   }
   if (pairs.count == 0) pairs.why_not = "they have no trial in common";

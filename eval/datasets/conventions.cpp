@@ -59,12 +59,21 @@ std::optional<Eigen::Matrix3d> usable_rotation(const Eigen::Quaterniond& quatern
   return quaternion.normalized().toRotationMatrix();
 }
 
+void require_near(const Eigen::Vector3d& position_m, const std::string& key) {
+  if (!position_m.allFinite() || position_m.cwiseAbs().maxCoeff() <= kFarthestM) return;
+  throw InputError(fmt::format("{} is {:g} m away, must be within {:g} m", key,
+                               position_m.cwiseAbs().maxCoeff(), kFarthestM));
+}
+
 Camera camera_from_matrix(const Eigen::Matrix3d& k) {
-  const bool has_focus = k(0, 0) > 0 && k(1, 1) > 0 && k.allFinite();
+  const bool has_focus = k.allFinite() && k(0, 0) > 0 && k(1, 1) > 0;
+  const bool is_bounded = k.cwiseAbs().maxCoeff() <= kGreatestPx;
   Eigen::Matrix3d rest = k - Eigen::Matrix3d::Identity();
   rest(0, 0) = rest(1, 1) = rest(0, 1) = rest(0, 2) = rest(1, 2) = 0;
-  if (!has_focus || rest.cwiseAbs().maxCoeff() > kSkewTolerance * std::max(1.0, k(0, 0))) {
-    throw InputError("must be fx s cx, 0 fy cy, 0 0 1 with focal lengths above 0");
+  if (!has_focus || !is_bounded ||
+      rest.cwiseAbs().maxCoeff() > kSkewTolerance * std::max(1.0, k(0, 0))) {
+    throw InputError(
+        "must be fx s cx, 0 fy cy, 0 0 1 with focal lengths above 0 and no number beyond 1e8");
   }
   Camera camera;
   camera.fx_px = k(0, 0);

@@ -21,6 +21,14 @@ namespace sightline {
 inline constexpr double kMetresPerMillimetre = 1e-3;
 inline constexpr double kMillimetresPerMetre = 1000;
 
+/// What a file states beyond these is no camera's and no target's, and overflows where it is
+/// squared: focal lengths and principal points in pixels, positions in metres (100 000 km).
+inline constexpr double kGreatestPx = 1e8;
+inline constexpr double kFarthestM = 1e8;
+
+/// Throws InputError, with the key, for a position in metres that is finite and beyond kFarthestM.
+void require_near(const Eigen::Vector3d& position_m, const std::string& key);
+
 /// The matrix of nine numbers that stand row by row.
 Eigen::Matrix3d matrix_from_rows(std::span<const double> nine);
 
@@ -45,7 +53,7 @@ std::optional<Eigen::Matrix3d> usable_rotation(const Eigen::Matrix3d& matrix);
 std::optional<Eigen::Matrix3d> usable_rotation(const Eigen::Quaterniond& quaternion);
 
 /// A camera without size from its matrix (fx s cx, 0 fy cy, 0 0 1), pixel centres at integers.
-/// Throws InputError for what is no such matrix, and for skew, which ours has not.
+/// Throws InputError for what is no such matrix, or has a number beyond kGreatestPx.
 Camera camera_from_matrix(const Eigen::Matrix3d& k);
 
 }  // namespace sightline

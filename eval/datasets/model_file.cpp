@@ -17,6 +17,7 @@
 
 #include "eval/datasets/conventions.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 #include "scenes/mesh/textures.h"
 
 namespace sightline {
@@ -139,8 +140,7 @@ std::string coloured_ply_bytes(const Mesh& mesh) {
 }
 
 Mesh read_ply_as_it_is(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) fail(file, "is missing or cannot be read");
+  std::ifstream stream = open_input_file(file, kMostModelBytes);
   std::vector<Point> points;
   std::vector<std::vector<size_t>> faces;
   bool is_read = false;

@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>
@@ -15,6 +13,7 @@
 #include "renderer/gl_context.h"
 #include "scenes/files/assets.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 #include "scenes/files/toml_text.h"
 
 namespace sightline {
@@ -81,12 +80,6 @@ Json manifest_json(const SetPlan& plan) {
           {"gl", plan.gl},
           {"depth_scale", plan.depth_scale},
           {"objects", objects}};
-}
-
-std::string read_text(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw InputError(fmt::format("{}: cannot be read", file.string()));
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace
@@ -186,12 +179,13 @@ std::string manifest_of(const SetPlan& plan) {
 
 SetPlan read_plan(const fs::path& folder) {
   const fs::path file = folder / "sightline.json";
-  const std::string text = read_text(file);
+  const std::string text = read_input_file(file, kMostTextBytes);
   try {
     const Json json = Json::parse(text);
     SetPlan plan;
     plan.format = &find_set_format(json.at("format").get<std::string>());
-    plan.study = read_scene_text(read_text(folder / "scene.toml"), folder / "scene.toml");
+    plan.study = read_scene_text(read_input_file(folder / "scene.toml", kMostTextBytes),
+                                 folder / "scene.toml");
     plan.count = json.at("count").get<int64_t>();
     plan.chunk = json.at("images_a_scene").get<int>();
     plan.has_full_truth = json.at("truth") == "full";

@@ -31,6 +31,7 @@ class Verifier {
 
   SetVerdict run(const std::function<void(int64_t)>& tick) {
     verdict_.images = plan_.count;
+    if (!has_plain_files_alone()) return verdict_;
     std::string list(kListBegin);
     bool is_first = true;
     for (int64_t chunk = 0; chunk < plan_.chunk_count(); ++chunk) {
@@ -52,6 +53,26 @@ class Verifier {
   void problem(const std::string& text) {
     ++verdict_.problems;
     tell_(text);
+  }
+
+  // Before any of it is opened: behind a link may be what is not of the set, and a pipe never ends.
+  bool has_plain_files_alone() {
+    const fs::path root = fs::canonical(folder_);
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      std::error_code error;
+      const std::string path = entry.path().lexically_relative(folder_).string();
+      if (!entry.is_regular_file(error) && !entry.is_directory(error)) {
+        problem(fmt::format("{}: is neither a file nor a folder", path));
+      } else if (entry.is_symlink() && !is_within(fs::canonical(entry.path(), error), root)) {
+        problem(fmt::format("{}: is a link out of the set, which is not followed", path));
+      }
+    }
+    return verdict_.problems == 0;
+  }
+
+  static bool is_within(const fs::path& path, const fs::path& root) {
+    const fs::path relative = path.lexically_relative(root);
+    return !relative.empty() && *relative.begin() != "..";
   }
 
   void expect_file(const std::string& path) { expected_.insert(hash_(path)); }
@@ -133,9 +154,13 @@ class Verifier {
 
   void check_nothing_else() {
     for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
-      if (entry.is_directory()) continue;
       const std::string path = entry.path().lexically_relative(folder_).string();
-      if (!expected_.contains(hash_(path))) problem(fmt::format("{}: does not belong here", path));
+      const bool is_expected = expected_.contains(hash_(path));
+      if (entry.is_directory() && is_expected) {
+        problem(fmt::format("{}: is a folder, must be a file", path));
+      } else if (!entry.is_directory() && !is_expected) {
+        problem(fmt::format("{}: does not belong here", path));
+      }
     }
   }
 

@@ -15,11 +15,10 @@
 #include "eval/output/csv.h"
 #include "eval/output/numbers.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
-
-constexpr size_t kLongestLine = 1 << 20;  // bytes
 
 std::string_view trimmed(std::string_view text) {
   constexpr std::string_view kBlank = " \t\r";
@@ -89,20 +88,14 @@ std::vector<std::string_view> words_of(std::string_view text) {
 
 }  // namespace
 
-CsvReader::CsvReader(const std::filesystem::path& file) : file_(file), stream_(file) {
-  if (!stream_ || std::filesystem::is_directory(file)) {
-    throw InputError(fmt::format("{}: cannot be read", file.string()));
-  }
+CsvReader::CsvReader(const std::filesystem::path& file)
+    : file_(file), stream_(open_input_file(file, kMostInputBytes)) {
   if (!read_line()) throw InputError(fmt::format("{}: is empty", file.string()));
   columns_ = std::move(fields_);
 }
 
 CsvReader::CsvReader(const std::filesystem::path& file, std::vector<std::string> columns)
-    : file_(file), stream_(file), columns_(std::move(columns)) {
-  if (!stream_ || std::filesystem::is_directory(file)) {
-    throw InputError(fmt::format("{}: cannot be read", file.string()));
-  }
-}
+    : file_(file), stream_(open_input_file(file, kMostInputBytes)), columns_(std::move(columns)) {}
 
 void CsvReader::fail(const std::string& reason) const {
   throw InputError(fmt::format("{}: line {} {}", file_.string(), line_, reason));
@@ -131,7 +124,7 @@ void CsvReader::require_columns(const std::vector<std::string>& required,
 
 bool CsvReader::read_line() {
   std::string text;
-  while (std::getline(stream_, text)) {
+  while (read_bounded_line(stream_, text)) {
     ++line_;
     if (text.size() > kLongestLine) {
       fail(fmt::format("is longer than {} bytes", kLongestLine));

@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <string_view>
 #include <system_error>
@@ -15,34 +13,17 @@
 #include <fmt/format.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
 
-constexpr uintmax_t kMostBytes = uintmax_t{1} << 30;
+constexpr int kMostLists = 10'000'000;  // and objects: each takes some ten times its text
 constexpr int kDeepest = 100;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 // What Python's json writes for numbers that JSON has not.
 constexpr std::array<std::string_view, 3> kNoNumbers = {"-Infinity", "Infinity", "NaN"};
-
-std::string bytes_of(const std::filesystem::path& file) {
-  std::error_code error;
-  const bool is_file = std::filesystem::is_regular_file(file, error);
-  std::ifstream stream;
-  if (is_file) stream.open(file, std::ios::binary);
-  if (!is_file || !stream) {
-    throw InputError(fmt::format("{}: is missing or cannot be read", file.string()));
-  }
-  const uintmax_t size = std::filesystem::file_size(file, error);
-  if (error || size > kMostBytes) {
-    throw InputError(fmt::format("{}: is larger than 1 GiB", file.string()));
-  }
-  std::string bytes(size, '\0');
-  stream.read(bytes.data(), static_cast<std::streamsize>(size));
-  bytes.resize(static_cast<size_t>(stream.gcount()));
-  return bytes;
-}
 
 // The text with null for each of kNoNumbers that stands outside of a string.
 std::string with_null_for_no_numbers(std::string text) {
@@ -129,15 +110,22 @@ std::vector<double> numbers_of(const Json& array, const std::string& what, size_
 }  // namespace
 
 Json read_json(const std::filesystem::path& file) {
-  std::string text = bytes_of(file);
+  std::string text = read_input_file(file, kMostInputBytes);
   if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
   text = with_null_for_no_numbers(std::move(text));
-  const auto check_depth = [&](int depth, Json::parse_event_t, const Json&) {
-    if (depth <= kDeepest) return true;
-    throw InputError(fmt::format("{}: is nested deeper than {}", file.string(), kDeepest));
+  int lists = 0;
+  const auto check_bounds = [&](int depth, Json::parse_event_t event, const Json&) {
+    if (depth > kDeepest) {
+      throw InputError(fmt::format("{}: is nested deeper than {}", file.string(), kDeepest));
+    }
+    using Event = Json::parse_event_t;
+    lists += event == Event::array_start || event == Event::object_start;
+    if (lists <= kMostLists) return true;
+    throw InputError(
+        fmt::format("{}: has more than {} lists and objects", file.string(), kMostLists));
   };
   try {
-    return Json::parse(text, check_depth);
+    return Json::parse(text, check_bounds);
   } catch (const Json::parse_error& problem) {
     fail_as_no_format(file, fmt::format("is no JSON at {}", place_of(text, problem.byte)));
   } catch (const Json::exception& problem) {  // a number that no double holds

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include "eval/records/records.h"
@@ -11,10 +12,14 @@
 
 namespace sightline {
 
-/// The line as solvers are given it, of an edge of the target, whose feature it must name.
-inline LineObservation line_of(const LineRecord& record, const Target& target) {
+/// The line as solvers are given it; none where the target has no such edge (any more: records
+/// outlive the target's file).
+inline std::optional<LineObservation> line_of(const LineRecord& record, const Target& target) {
   const auto feature = std::ranges::find(target.features, record.feature, &TargetFeature::name);
-  const Edge& edge = feature->edges.at(static_cast<size_t>(record.edge));
+  if (feature == target.features.end()) return std::nullopt;
+  const auto index = static_cast<size_t>(record.edge);
+  if (index >= feature->edges.size()) return std::nullopt;
+  const Edge& edge = feature->edges[index];
   LineObservation line;
   line.begin_in_target = edge.begin_m;
   line.end_in_target = edge.end_m;

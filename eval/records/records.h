@@ -164,6 +164,9 @@ inline std::span<const OrientationRecord> TrialRecord::orientations() const {
 using TrialVisitor = std::function<void(const TrialRecord&)>;
 using TrialSource = std::function<void(const TrialVisitor&)>;
 
+/// The same as they are asked for, none after the last: for who goes through two runs side by side.
+using NextTrial = std::function<std::optional<TrialRecord>()>;
+
 /// What a solver made of a trial, failed or not; null where the trial has nothing of it.
 inline const EstimateRecord* find_estimate(const TrialRecord& trial, std::string_view solver) {
   for (const EstimateRecord& estimate : trial.estimates()) {

@@ -105,6 +105,7 @@ struct Store::Impl {
         database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX, kMostWaitMs) {
     database.exec("PRAGMA journal_mode = DELETE");
     database.exec("PRAGMA foreign_keys = ON");
+    database.exec("PRAGMA trusted_schema = OFF");  // a file of others names no functions to call
   }
 
   std::filesystem::path file;
@@ -183,7 +184,14 @@ std::vector<TrialRecord> Store::trials() const {
 }
 
 void Store::for_each(const TrialVisitor& visit) const {
-  on_file(impl_->file, "cannot be read", [&] { visit_trials(impl_->database, visit); });
+  const NextTrial next = reader();
+  for (auto trial = next(); trial; trial = next()) visit(*trial);
+}
+
+NextTrial Store::reader() const {
+  const NextTrial next =
+      on_file(impl_->file, "cannot be read", [&] { return trial_reader(impl_->database); });
+  return [this, next] { return on_file(impl_->file, "cannot be read", next); };
 }
 
 int64_t Store::size() const {
@@ -218,6 +226,10 @@ bool Store::holds(int64_t trial) const {
     select.bind(1, trial);
     return select.executeStep();
   });
+}
+
+const std::filesystem::path& Store::file() const {
+  return impl_->file;
 }
 
 std::map<std::string, std::string> Store::meta() const {

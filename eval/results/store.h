@@ -47,6 +47,8 @@ class Store {
   std::vector<TrialRecord> trials() const;
   /// The same one by one, never more than one in memory.
   void for_each(const TrialVisitor& visit) const;
+  /// The same as they are asked for. The store must outlive it.
+  NextTrial reader() const;
   /// How many there are.
   int64_t size() const;
   /// Whether the store holds each of the trials 0 to `end` - 1.
@@ -55,6 +57,7 @@ class Store {
   std::optional<int64_t> first_trial() const;
   bool holds(int64_t trial) const;
   std::map<std::string, std::string> meta() const;
+  const std::filesystem::path& file() const;
 
  private:
   struct Impl;

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -112,27 +113,38 @@ class RowWriter {
 class RowReader {
  public:
   RowReader(const SQLite::Database& database, const StoreTable& table)
-      : select_(database, select_from(database, table)) {}
+      : table_(table.name), select_(database, select_from(database, table)) {}
 
   bool next_row() {
     column_ = 0;
     return select_.executeStep();
   }
 
+  // Columns hold whatever was put there, and SQLite reads a text as the number 0: what is of
+  // another kind is refused. NULL, where a column is lacking, is 0, and NaN as a double.
   RowReader& operator>>(int64_t& value) {
-    value = next_column().getInt64();
+    const SQLite::Column column = next_column();
+    if (!column.isNull() && !column.isInteger()) fail_as_no("whole number");
+    value = column.getInt64();
     return *this;
   }
   RowReader& operator>>(int& value) {
-    value = next_column().getInt();
+    int64_t whole = 0;
+    *this >> whole;
+    if (whole != static_cast<int>(whole)) fail_as_no("whole number below 2^31");
+    value = static_cast<int>(whole);
     return *this;
   }
   RowReader& operator>>(bool& value) {
-    value = next_column().getInt() != 0;
+    int64_t whole = 0;
+    *this >> whole;
+    if (whole != 0 && whole != 1) fail_as_no("0 or 1");
+    value = whole == 1;
     return *this;
   }
   RowReader& operator>>(double& value) {
     const SQLite::Column column = next_column();
+    if (column.isText() || column.isBlob()) fail_as_no("number");
     value = column.isNull() ? std::numeric_limits<double>::quiet_NaN() : column.getDouble();
     return *this;
   }
@@ -207,6 +219,13 @@ class RowReader {
 
   SQLite::Column next_column() { return select_.getColumn(column_++); }
 
+  // Of the column that was read last.
+  [[noreturn]] void fail_as_no(const char* kind) {
+    throw SQLite::Exception(fmt::format("table {} has a row whose {} is no {}", table_,
+                                        select_.getColumnName(column_ - 1), kind));
+  }
+
+  const char* table_;
   SQLite::Statement select_;
   int column_ = 0;
 };
@@ -267,33 +286,92 @@ class TrialRows {
  public:
   TrialRows(const SQLite::Database& database, const StoreTable& table,
             const std::array<Field<Record>, kCount>& fields)
-      : fields_(fields) {
+      : name_(table.name), fields_(fields) {
     if (!table.is_required && columns_there(database, table).there.empty()) return;
     rows_.emplace(database, table);
     advance();
   }
 
   std::vector<Record> rows_of(int64_t trial) {
-    // Foreign keys leave no row without its trial, but a file may have been edited without them.
-    while (has_row_ && trial_ < trial) advance();
+    require_no_row_before(trial);
     std::vector<Record> records;
     for (; has_row_ && trial_ == trial; advance()) {
+      if (position_ != static_cast<int64_t>(records.size())) {
+        throw SQLite::Exception(
+            fmt::format("table {} lacks position {} of trial {}", name_, records.size(), trial));
+      }
       rows_->read(fields_, records.emplace_back());
     }
     return records;
   }
 
+  // Foreign keys leave no row without its trial, but a file may have been edited without them.
+  void require_no_row_before(int64_t trial) const {
+    if (!has_row_ || trial_ >= trial) return;
+    throw SQLite::Exception(
+        fmt::format("table {} has a row of trial {}, which table trials has not", name_, trial_));
+  }
+
  private:
   void advance() {
     has_row_ = rows_->next_row();
-    int position = 0;
-    if (has_row_) *rows_ >> trial_ >> position;
+    if (has_row_) *rows_ >> trial_ >> position_;
   }
 
+  const char* name_;
   std::optional<RowReader> rows_;  // none of a table that the store does not have
   const std::array<Field<Record>, kCount>& fields_;
   bool has_row_ = false;
   int64_t trial_ = 0;
+  int64_t position_ = 0;
+};
+
+// All tables, gone through together.
+class TrialCursor {
+ public:
+  explicit TrialCursor(const SQLite::Database& database)
+      : trials_(database, trials_table()),
+        observations_(database, observations_table(), kObservationFields),
+        lines_(database, lines_table(), kLineFields),
+        estimates_(database, estimates_table(), kEstimateFields),
+        orientations_(database, orientations_table(), kOrientationFields) {}
+
+  std::optional<TrialRecord> next() {
+    if (!trials_.next_row()) {
+      require_no_row_left();
+      return std::nullopt;
+    }
+    TrialRecord record;
+    PoseTrial pose_trial;
+    trials_ >> record.trial;
+    trials_.read(kTrialFields, record);
+    trials_.read(kPoseTrialFields, pose_trial);
+    pose_trial.observations = observations_.rows_of(record.trial);
+    pose_trial.lines = lines_.rows_of(record.trial);
+    pose_trial.estimates = estimates_.rows_of(record.trial);
+    OrientationTrial orientation_trial{orientations_.rows_of(record.trial)};
+    if (orientation_trial.orientations.empty()) {
+      record.kind = std::move(pose_trial);
+    } else {
+      record.kind = std::move(orientation_trial);
+    }
+    return record;
+  }
+
+ private:
+  void require_no_row_left() const {
+    constexpr int64_t kAfterAll = std::numeric_limits<int64_t>::max();
+    observations_.require_no_row_before(kAfterAll);
+    lines_.require_no_row_before(kAfterAll);
+    estimates_.require_no_row_before(kAfterAll);
+    orientations_.require_no_row_before(kAfterAll);
+  }
+
+  RowReader trials_;
+  TrialRows<ObservationRecord, kObservationFields.size()> observations_;
+  TrialRows<LineRecord, kLineFields.size()> lines_;
+  TrialRows<EstimateRecord, kEstimateFields.size()> estimates_;
+  TrialRows<OrientationRecord, kOrientationFields.size()> orientations_;
 };
 
 }  // namespace
@@ -312,29 +390,8 @@ void write_trials(SQLite::Database& database, std::span<const TrialRecord> trial
   }
 }
 
-void visit_trials(const SQLite::Database& database, const TrialVisitor& visit) {
-  RowReader trials(database, trials_table());
-  TrialRows observations(database, observations_table(), kObservationFields);
-  TrialRows lines(database, lines_table(), kLineFields);
-  TrialRows estimates(database, estimates_table(), kEstimateFields);
-  TrialRows orientations(database, orientations_table(), kOrientationFields);
-  while (trials.next_row()) {
-    TrialRecord record;
-    PoseTrial pose_trial;
-    trials >> record.trial;
-    trials.read(kTrialFields, record);
-    trials.read(kPoseTrialFields, pose_trial);
-    pose_trial.observations = observations.rows_of(record.trial);
-    pose_trial.lines = lines.rows_of(record.trial);
-    pose_trial.estimates = estimates.rows_of(record.trial);
-    OrientationTrial orientation_trial{orientations.rows_of(record.trial)};
-    if (orientation_trial.orientations.empty()) {
-      record.kind = std::move(pose_trial);
-    } else {
-      record.kind = std::move(orientation_trial);
-    }
-    visit(record);
-  }
+NextTrial trial_reader(const SQLite::Database& database) {
+  return [cursor = std::make_shared<TrialCursor>(database)] { return cursor->next(); };
 }
 
 }  // namespace sightline

@@ -22,7 +22,10 @@ namespace sightline {
 void write_trials(SQLite::Database& database, std::span<const TrialRecord> trials,
                   const std::string& file);
 
-/// By their numbers. A column that a table lacks reads as NULL: NaN, zero, or no value.
-void visit_trials(const SQLite::Database& database, const TrialVisitor& visit);
+/// Hands out the trials by their numbers, never more than one in memory. A column that a table
+/// lacks reads as NULL: NaN, zero, or no value. A row that belongs to no trial, a gap in a trial's
+/// list and a value of another kind than its column's throw SQLite::Exception. The database must
+/// outlive it.
+NextTrial trial_reader(const SQLite::Database& database);
 
 }  // namespace sightline

@@ -78,6 +78,18 @@ std::string create_sql(const StoreTable& table) {
                      fmt::join(columns, ", "), table.key, is_of_trials ? "" : " WITHOUT ROWID");
 }
 
+// What a view or a virtual table shows is computed when it is read, what a trigger does when
+// something is written: by whoever made the file. Only tables and indices have pages of their own.
+std::string why_not_plain(const SQLite::Database& database) {
+  SQLite::Statement select(database,
+                           "SELECT type, name FROM sqlite_master WHERE coalesce(rootpage, 0) = 0");
+  if (!select.executeStep()) return "";
+  const std::string type = select.getColumn(0).getString();
+  const std::string name = select.getColumn(1).getString();
+  if (type == "table") return fmt::format("{} is a virtual table; must have tables alone", name);
+  return fmt::format("{} is a {}; must have tables alone", name, type);
+}
+
 }  // namespace
 
 std::vector<std::string> StoreTable::column_names() const {
@@ -141,6 +153,8 @@ ColumnsThere columns_there(const SQLite::Database& database, const StoreTable& t
 }
 
 std::string why_not_readable(const SQLite::Database& database) {
+  std::string not_plain = why_not_plain(database);
+  if (!not_plain.empty()) return not_plain;
   for (const StoreTable* table : store_tables()) {
     const ColumnsThere columns = columns_there(database, *table);
     if (columns.there.empty() && !table->is_required) continue;

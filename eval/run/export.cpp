@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "eval/datasets/conventions.h"
+#include "eval/results/expected_trials.h"
 #include "eval/results/store.h"
 #include "eval/run/run_folder.h"
 #include "scenes/files/input_error.h"
@@ -25,7 +26,8 @@ struct ExportedRun {
   Store store;
   const ImageStudy* images;
   int condition;
-  std::string solver;  // may be empty
+  std::string solver;        // may be empty
+  std::optional<int> scene;  // none: all
 
   TrialName name_of(int64_t trial) const {
     return images != nullptr ? images->name_of(trial) : NumericStudy::name_of(trial);
@@ -68,17 +70,26 @@ ExportedRun open_run(const ExportRequest& request) {
   }
   const int condition = condition_of(request, study);
   std::string solver = solver_of(request, study);
-  ExportedRun run{std::move(study), std::move(store), nullptr, condition, std::move(solver)};
+  ExportedRun run{std::move(study), std::move(store),  nullptr,
+                  condition,        std::move(solver), request.scene};
   run.images = run.study.images();
   return run;
 }
 
-// Calls `use` with every trial of the condition.
+// Calls `use` with every trial of the condition and, where one is chosen, of the scene.
 template <typename Use>
 void for_each_trial(const ExportedRun& run, const Use& use) {
-  run.store.for_each([&](const TrialRecord& trial) {
-    if (trial.condition == run.condition) use(trial);
-  });
+  const ExpectedTrials expected = expected_trials(run.study, run.store);
+  const NextTrial next = checked_reader(run.store, expected);
+  bool is_any = false;
+  for (auto trial = next(); trial; trial = next()) {
+    const bool is_of_scene = !run.scene || run.name_of(trial->trial).scene_id == *run.scene;
+    if (trial->condition != run.condition || !is_of_scene) continue;
+    use(*trial);
+    is_any = true;
+  }
+  if (is_any || !run.scene) return;
+  throw InputError(fmt::format("--scene {}: is of no trial of the run", *run.scene));
 }
 
 // The same with what the solver found, where it has a pose.
@@ -151,9 +162,10 @@ std::string coco_results(const ExportedRun& run) {
     const TrialName name = run.name_of(trial.trial);
     scenes.insert(name.scene_id);
     if (scenes.size() > 1) {
-      throw InputError(
-          "the run is of several scenes, but COCO's results know an image by one "
-          "number");
+      throw InputError(fmt::format(
+          "the run is of several scenes ({}, ...), but COCO's results know an image by one number: "
+          "say --scene which of them is to be written",
+          fmt::join(scenes, ", ")));
     }
     results.push_back({{"image_id", name.im_id},
                        {"category_id", run.set() != nullptr ? run.set()->obj_id : 1},

@@ -24,6 +24,9 @@ struct ExportRequest {
   std::string solver;
   /// The label of the condition whose trials count; needed where a run has several.
   std::string condition;
+  /// Of a run of several scenes: the one that is written; none: all, which COCO's results cannot
+  /// tell apart.
+  std::optional<int> scene;
 };
 
 /// What a run found, as other people's tools read it: a line or an entry a trial with a pose (of

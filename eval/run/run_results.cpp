@@ -6,6 +6,7 @@
 #include "eval/report/evidence.h"
 #include "eval/report/gnuplot.h"
 #include "eval/report/report.h"
+#include "eval/results/expected_trials.h"
 #include "eval/results/results_csv.h"
 #include "eval/run/manifest.h"
 #include "eval/run/run_folder.h"
@@ -26,17 +27,18 @@ bool could_be_run(const TrialRecord& trial) {
   return !trial.observations().empty() || !trial.orientations().empty();
 }
 
-// The trials of a store one by one, counted: `result` knows them all after one pass.
-TrialSource counted_trials(const Store& store, RunResult& result) {
-  return [&](const TrialVisitor& visit) {
+// The trials of a store one by one, checked and counted: `result` knows them all after one pass.
+TrialSource counted_trials(const Study& study, const Store& store, RunResult& result) {
+  return [&, expected = expected_trials(study, store)](const TrialVisitor& visit) {
     result.trials = 0;
     result.failed_trials = 0;
-    store.for_each([&](const TrialRecord& trial) {
+    const NextTrial next = checked_reader(store, expected);
+    for (auto trial = next(); trial; trial = next()) {
       stop_if_interrupted();
       ++result.trials;
-      result.failed_trials += !could_be_run(trial);
-      visit(trial);
-    });
+      result.failed_trials += !could_be_run(*trial);
+      visit(*trial);
+    }
   };
 }
 
@@ -44,14 +46,14 @@ TrialSource counted_trials(const Store& store, RunResult& result) {
 
 RunResult summarise_store(const Study& study, const Store& store) {
   RunResult result;
-  result.summary = summarise(study, counted_trials(store, result));
+  result.summary = summarise(study, counted_trials(study, store, result));
   return result;
 }
 
 RunResult write_results(const Study& study, const Store& store, const nlohmann::json& manifest,
                         const fs::path& folder) {
   RunResult result = summarise_store(study, store);
-  const TrialSource source = counted_trials(store, result);
+  const TrialSource source = counted_trials(study, store, result);
   write_file(folder / "results.csv", [&](std::ostream& out) { write_csv(study, source, out); });
   write_file(folder / "summary.json", to_json(study, result.summary));
   if (study.takes_times()) {

@@ -16,6 +16,7 @@
 #include "eval/datasets/speed/results_csv.h"
 #include "eval/output/json.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 #include "scenes/mesh/diameter.h"
 #include "scenes/picture/picture_file.h"
 
@@ -143,12 +144,9 @@ ScoredSet read_scored_set(const fs::path& folder, const std::string& split) {
 }
 
 std::vector<BopEstimate> read_estimates(const fs::path& file, const ScoredSet& set) {
-  std::ifstream stream(file);
-  if (!stream || fs::is_directory(file)) {
-    throw InputError(fmt::format("{}: cannot be read", file.string()));
-  }
+  std::ifstream stream = open_input_file(file, kMostInputBytes);
   std::string first;
-  std::getline(stream, first);
+  read_bounded_line(stream, first);
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (first.starts_with(kByteOrderMark)) first.erase(0, kByteOrderMark.size());
   const bool is_of_bop = !set.is_speed() || first.starts_with("scene_id");

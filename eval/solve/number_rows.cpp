@@ -10,6 +10,7 @@
 
 #include "eval/output/numbers.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
@@ -31,17 +32,15 @@ std::vector<std::string_view> words_in(std::string_view line) {
 
 std::vector<std::vector<double>> read_number_rows(const std::filesystem::path& file, size_t least,
                                                   size_t most, const std::string& what) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!std::filesystem::is_regular_file(file) || !stream) {
-    throw InputError(fmt::format("{}: cannot be read", file.string()));
-  }
+  std::ifstream stream = open_input_file(file, kMostInputBytes);
   std::vector<std::vector<double>> rows;
   std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
+  for (int number = 1; read_bounded_line(stream, line); ++number) {
     const auto fail = [&](const std::string& reason) {
       throw InputError(
           fmt::format("{}: line {} {}, must have {}", file.string(), number, reason, what));
     };
+    if (line.size() > kLongestLine) fail(fmt::format("is longer than {} bytes", kLongestLine));
     const std::vector<std::string_view> words = words_in(line);
     if (words.empty() || words.front().starts_with('#')) continue;
     if (rows.empty() && !parsed_number(words.front())) continue;  // the names of the columns

@@ -177,25 +177,15 @@ void reject_unknown_scene_keys(const TomlTable& table) {
   }
 }
 
-// The set-up of a cell. What is wrong with a swept value is said of the sweep: nobody has typed the
-// --set that stands for it.
-ImageSetup read_swept_setup(const TomlTable& table, const std::vector<std::string>& settings,
+// The set-up of a cell.
+ImageSetup read_swept_setup(const TomlTable& table, const SweptCell& cell,
                             const ImageStudy& study) {
-  try {
-    const TomlTable set = TomlTable::read_text(table.to_toml(), table.file(), settings);
-    ImageSetup setup = read_setup(set, study);
-    reject_unknown_scene_keys(set);
-    return setup;
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    for (const std::string& setting : settings) {
-      const std::string typed = fmt::format("--set {}: ", setting);
-      if (!text.starts_with(typed)) continue;
-      throw InputError(fmt::format("{}: sweep: {}: {}", table.file().string(), setting,
-                                   text.substr(typed.size())));
-    }
-    throw;
-  }
+  ImageSetup setup;
+  with_swept_values(table, cell, [&](const TomlTable& set) {
+    setup = read_setup(set, study);
+    if (!cell.empty()) reject_unknown_scene_keys(set);
+  });
+  return setup;
 }
 
 // Each cell of the sweeps once for every extractor; where there is but one it sets nothing apart.
@@ -235,16 +225,9 @@ void read_setups(const TomlTable& table, ImageStudy& study, Study& common,
   const std::vector<SweptCell> cells = with_extractors(swept, names);
   const std::vector<Condition> conditions = conditions_of(cells);
   for (size_t i = 0; i < cells.size(); ++i) {
-    std::vector<std::string> settings;
-    for (const SweptValue& value : cells[i]) {
-      if (value.key == kSweptExtractor) continue;
-      settings.push_back(fmt::format("{}={}", value.key, value.literal));
-    }
-    if (settings.empty()) {
-      study.setups.push_back(read_setup(table, study));
-    } else {
-      study.setups.push_back(read_swept_setup(table, settings, study));
-    }
+    SweptCell keys = cells[i];
+    std::erase_if(keys, [](const SweptValue& value) { return value.key == kSweptExtractor; });
+    study.setups.push_back(read_swept_setup(table, keys, study));
     ImageSetup& setup = study.setups.back();
     choose_extractor(names[i % names.size()], study, common, guests, setup);
     if (!setup.guest) require_useful_extractors(table, study, setup.extractors);

@@ -132,7 +132,8 @@ std::vector<Key> described_keys() {
        Described{"none", "values"},
        {},
        "",
-       "of an image study: values of a key of a scene's tables, [prior] or [extraction]"},
+       "of an image study: values of a key of a scene's tables, [prior] or [extraction]; of a "
+       "numeric study: of [camera], [noise], [outliers], [poses], [prior] or [solver]"},
       {"sweep",
        "noise_px",
        Described{"none", "numbers"},
@@ -229,6 +230,25 @@ std::vector<Key> solver_keys(Start& start, SolverOptions& options) {
        .meaning = "most points that a solver removes",
        .if_absent = "the solver's own limit"},
   };
+}
+
+std::vector<Key> noise_keys(NoiseLaw& noise) {
+  return {
+      {"noise",
+       "law",
+       choice(noise.tails,
+              {{"normal", NoiseLaw::Tails::kNormal}, {"student", NoiseLaw::Tails::kStudent}}),
+       {},
+       "",
+       "of a numeric study: normal errors, or Student's t of the same standard deviation, whose "
+       "rare errors are large"},
+      {"noise",
+       "freedom",
+       &noise.freedom,
+       {2.1, 1000},
+       "",
+       "of a numeric study: degrees of freedom of Student's t; the fewer, the heavier the "
+       "tails"}};
 }
 
 std::vector<Key> sigma_keys(bool& is_sigma_known) {
@@ -388,6 +408,7 @@ std::vector<KeyText> study_keys() {
   double bias_mesh_fraction = kBiasMeshFraction;
   Start start = Start::kPrior;
   SolverOptions options;
+  NoiseLaw noise;
   bool is_sigma_known = false;
   bool estimates_scale = false;
   SightingSource source;
@@ -404,7 +425,7 @@ std::vector<KeyText> study_keys() {
        {described_keys(), point_keys(pairs), dataset_keys(source, bits), keys_of(setup.prior),
         extraction_keys(setup, bias_mesh_fraction), bound_keys(has_image_bound),
         solver_keys(start, options), sigma_keys(is_sigma_known), scale_keys(estimates_scale),
-        keys_of(planted), axis_keys(), limit_keys(limits), keys_of(observations),
+        noise_keys(noise), keys_of(planted), axis_keys(), limit_keys(limits), keys_of(observations),
         keys_of(estimates), keys_of(solver_process), keys_of(extractor_process)}) {
     for (KeyText& text : texts_of(keys, "")) all.push_back(std::move(text));
   }

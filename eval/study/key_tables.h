@@ -39,6 +39,9 @@ std::vector<Key> solver_keys(Start& start, SolverOptions& options);
 /// `sigma` of [solver].
 std::vector<Key> sigma_keys(bool& is_sigma_known);
 
+/// [noise] of a numeric study, but for its standard deviation and scale.
+std::vector<Key> noise_keys(NoiseLaw& noise);
+
 /// `scale` of [solver].
 std::vector<Key> scale_keys(bool& estimates_scale);
 

@@ -104,6 +104,7 @@ OrientationStudy read_orientation_study(const TomlTable& table, Study& common) {
                            .points = count,
                            .outliers = outliers_of(one.share, count, shares, sweep, outliers),
                            .scale = one.scale});
+    require_few_cells(table, study.cells.size());
   }
   return study;
 }

@@ -13,17 +13,26 @@ std::vector<Key> keys_of(PlantedOutliers& planted) {
        choice(planted.law, {{"uniform", OutlierLaw::kUniform},
                             {"fixed", OutlierLaw::kFixed},
                             {"clustered", OutlierLaw::kClustered},
+                            {"tailed", OutlierLaw::kTailed},
                             {"swapped", OutlierLaw::kSwapped}}),
        {},
        "",
        "how outliers are displaced: in a uniform direction by a size of the range or by its upper "
-       "end, all of a trial alike, or by exchange with their mirror images"},
+       "end, all of a trial alike, by a size whose density falls with its square (most are small, "
+       "some are huge), or by exchange with their mirror images"},
       {"outliers",
        "size_px",
        LowHigh{&planted.size_px},
        {0, 1e6},
        "px",
        "sizes of the displacements"},
+      {"outliers",
+       "rate",
+       &planted.rate,
+       {0, 1},
+       "",
+       "of a numeric study: how probable it is that a point beyond outliers.count is displaced "
+       "too"},
       {"outliers",
        "model",
        Described{"none", "a text"},
@@ -53,7 +62,11 @@ std::vector<std::pair<int, int>> mirrored_pairs(const Target& target,
 
 std::string why_not_plantable(const PlantedOutliers& law, int outliers, const Target& target,
                               std::span<const int> features) {
+  if (law.law == OutlierLaw::kTailed && !(law.size_px.min > 0)) {
+    return "is \"tailed\", whose size_px must begin above 0";
+  }
   if (law.law != OutlierLaw::kSwapped) return "";
+  if (law.rate > 0) return "is \"swapped\", which makes outliers in pairs: outliers.rate must be 0";
   if (outliers % 2 != 0) {
     return fmt::format(
         "is \"swapped\", which makes outliers in pairs: their number is {}, must be "

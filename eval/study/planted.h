@@ -21,6 +21,7 @@ enum class OutlierLaw {
   kUniform,    ///< in a uniform direction, by a size uniform in the range
   kFixed,      ///< in a uniform direction, by the upper end of the range
   kClustered,  ///< all of a trial by one displacement, drawn as kUniform
+  kTailed,     ///< in a uniform direction, by a size whose density falls with its square
   kSwapped,    ///< pairs of points that mirror each other in y = 0 exchange their pixels
   kModel,      ///< as measured in a trial of an image study, drawn from its outliers.json
 };
@@ -28,6 +29,7 @@ enum class OutlierLaw {
 struct PlantedOutliers {
   OutlierLaw law = OutlierLaw::kUniform;
   Range size_px{15, 30};
+  double rate = 0;  ///< of the points beyond their stated number, how probable each is displaced
   std::shared_ptr<const OutlierModel> model;  ///< of kModel
 };
 

@@ -93,11 +93,13 @@ std::vector<std::string> Study::solver_names() const {
 
 const PoseLaw* Study::pose_law() const {
   if (const ImageStudy* const study = images()) return &study->pose_law();
-  return numeric() != nullptr ? &numeric()->poses : nullptr;
+  return numeric() != nullptr ? &numeric()->setups.front().poses : nullptr;
 }
 
 const Camera& Study::camera_of(int64_t trial) const {
-  if (const NumericStudy* const study = numeric()) return study->camera;
+  if (const NumericStudy* const study = numeric()) {
+    return study->setup_of(condition_of(trial)).camera;
+  }
   const ImageStudy& study = std::get<ImageStudy>(kind);
   return study.sighted ? study.sighting_of(trial).camera : study.camera_of(condition_of(trial));
 }

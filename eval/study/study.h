@@ -161,10 +161,35 @@ struct ImageStudy : PoseStudy {
   const Camera& camera_of(int condition) const { return setup_of(condition).scene.camera; }
 };
 
+/// How the noise of a numeric study is distributed, in each coordinate by itself.
+struct NoiseLaw {
+  enum class Tails {
+    kNormal,
+    kStudent,  ///< Student's t, scaled to the standard deviation: rare errors are large
+  };
+  Tails tails = Tails::kNormal;
+  double freedom =
+      3;  ///< of kStudent: degrees of freedom, above 2; the fewer, the heavier the tails
+};
+
 /// What one condition of a numeric study applies to the exact projections.
 struct NumericCell {
   double noise_px = 0;  ///< standard deviation of each coordinate; noise.scale applied
   int outliers = 0;     ///< points of a trial that are displaced
+  int setup = 0;        ///< index into the study's set-ups
+};
+
+/// What a numeric study's file says of its trials. A study has one set-up or, where its keys are
+/// swept, one for every combination of their values.
+struct NumericSetup {
+  Camera camera;
+  PoseLaw poses;
+  PriorError prior;
+  NoiseLaw noise;
+  PlantedOutliers planted;
+  bool is_sigma_known = false;  ///< the solvers are told the noise applied
+  Start start = Start::kFree;
+  SolverOptions options;
 };
 
 /// What the claim of a numeric study says in numbers: the means of one solver stay below these.
@@ -176,13 +201,11 @@ struct ClaimLimits {
 
 /// A study whose trials begin at observations: exact projections, noise and planted outliers.
 struct NumericStudy : PoseStudy {
-  Camera camera;
-  PoseLaw poses;
-  PriorError prior;
-  PlantedOutliers planted;
-  bool is_sigma_known = false;  ///< the solvers are told the noise applied
+  std::vector<NumericSetup> setups = std::vector<NumericSetup>(1);  ///< at least one
   std::optional<ClaimLimits> limits;
   std::vector<NumericCell> cells;  ///< one a condition of the study
+
+  const NumericSetup& setup_of(int condition) const { return setups[cells[condition].setup]; }
 
   /// A trial as files of others name it: the image is the trial's number.
   static TrialName name_of(int64_t trial) {

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "scenes/files/input_error.h"
+
 namespace sightline {
 namespace {
 
@@ -17,18 +19,23 @@ struct SweptKey {
   std::vector<std::string> values;
 };
 
-std::vector<SweptKey> read_sweep(const TomlTable& sweep, const std::vector<std::string>& tables) {
-  constexpr size_t kMostCells = 10'000;
+constexpr size_t kMostCells = 10'000;
+
+std::vector<SweptKey> read_sweep(const TomlTable& sweep, const std::vector<std::string>& tables,
+                                 const std::vector<std::string>& axes) {
   std::vector<SweptKey> swept;
   size_t cells = 1;
   for (const std::string& key : sweep.keys()) {
+    if (std::find(axes.begin(), axes.end(), key) != axes.end()) continue;
     const std::string table = key.substr(0, key.find('.'));
     const bool is_known =
         table != key && std::find(tables.begin(), tables.end(), table) != tables.end();
     if (!is_known || key == "poses.fixed") {
+      const std::string or_axes =
+          axes.empty() ? "" : fmt::format(", or one of {}", fmt::join(axes, ", "));
       sweep.fail(key, fmt::format("cannot be swept, must be a quoted key of [{}], such as "
-                                  "\"prior.attitude_deg\"",
-                                  fmt::join(tables, "], [")));
+                                  "\"prior.attitude_deg\"{}",
+                                  fmt::join(tables, "], ["), or_axes));
     }
     swept.push_back({key, sweep.literals(key)});
     cells *= swept.back().values.size();
@@ -102,13 +109,43 @@ void add_value(Condition& condition, const SweptValue& swept, bool is_alone,
 
 }  // namespace
 
-std::vector<SweptCell> read_sweeps(const TomlTable& table, const std::vector<std::string>& tables) {
-  if (!table.is_array("sweep")) return combinations(read_sweep(table.table("sweep"), tables));
+std::vector<SweptCell> read_sweeps(const TomlTable& table, const std::vector<std::string>& tables,
+                                   const std::vector<std::string>& axes) {
+  if (!table.is_array("sweep")) return combinations(read_sweep(table.table("sweep"), tables, axes));
+  if (!axes.empty()) table.fail("sweep", "must be one table of a study without images");
   std::vector<SweptCell> cells;
   for (const TomlTable& sweep : table.tables("sweep")) {
-    for (auto& cell : combinations(read_sweep(sweep, tables))) cells.push_back(std::move(cell));
+    for (auto& cell : combinations(read_sweep(sweep, tables, axes))) {
+      cells.push_back(std::move(cell));
+    }
+    require_few_cells(table, cells.size());
   }
   return cells;
+}
+
+void require_few_cells(const TomlTable& study, size_t cells) {
+  if (cells > kMostCells) study.fail("sweep", fmt::format("makes over {} cells", kMostCells));
+}
+
+void with_swept_values(const TomlTable& study, const SweptCell& cell,
+                       const std::function<void(const TomlTable&)>& use) {
+  if (cell.empty()) return use(study);
+  std::vector<std::string> settings;
+  for (const SweptValue& value : cell) {
+    settings.push_back(fmt::format("{}={}", value.key, value.literal));
+  }
+  try {
+    use(TomlTable::read_text(study.to_toml(), study.file(), settings));
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    for (const std::string& setting : settings) {
+      const std::string typed = fmt::format("--set {}: ", setting);
+      if (!text.starts_with(typed)) continue;
+      throw InputError(fmt::format("{}: sweep: {}: {}", study.file().string(), setting,
+                                   text.substr(typed.size())));
+    }
+    throw;
+  }
 }
 
 std::vector<Condition> conditions_of(const std::vector<SweptCell>& cells) {
@@ -140,9 +177,9 @@ Axis read_axis(const TomlTable& sweep, const char* key, const Place& fixed, Inte
   return {sweep.number_list(key, allowed), true};
 }
 
-Axis read_count_axis(const TomlTable& sweep, const char* key, const Place& fixed,
-                     Interval allowed) {
-  const Axis axis = read_axis(sweep, key, fixed, allowed);
+Axis read_count_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed,
+                     std::optional<double> if_absent) {
+  const Axis axis = read_axis(sweep, key, fixed, allowed, if_absent);
   for (const double value : axis.values) {
     if (value == std::floor(value)) continue;
     const std::string message = fmt::format("holds {}, must hold whole numbers", value);
@@ -161,6 +198,14 @@ Condition condition_at(std::span<const Coordinate> coordinates) {
   }
   if (condition.label.empty()) condition.label = "all";
   return condition;
+}
+
+Condition joined(const Condition& swept, const Condition& axes) {
+  if (swept.label.empty()) return axes;
+  Condition both = swept;
+  both.values.insert(axes.values.begin(), axes.values.end());
+  if (!axes.values.empty()) both.label += ", " + axes.label;
+  return both;
 }
 
 }  // namespace sightline

@@ -4,6 +4,7 @@
 // [sweep]: keys that take several values, each combination of which is a condition of the study.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <set>
 #include <span>
@@ -15,7 +16,7 @@
 
 namespace sightline {
 
-/// One value of a swept key of an image study, as TOML writes it.
+/// One value of a key that is swept by its name, as TOML writes it.
 struct SweptValue {
   std::string key;
   std::string literal;
@@ -25,8 +26,19 @@ struct SweptValue {
 using SweptCell = std::vector<SweptValue>;
 
 /// The cells of [sweep] or of several [[sweep]], which follow each other; the last key's values run
-/// fastest. One cell without values where nothing is swept. Keys are of these tables alone.
-std::vector<SweptCell> read_sweeps(const TomlTable& study, const std::vector<std::string>& tables);
+/// fastest. One cell without values where nothing is swept. Keys are of these tables alone, but for
+/// `axes`, whose reader is read_axis.
+std::vector<SweptCell> read_sweeps(const TomlTable& study, const std::vector<std::string>& tables,
+                                   const std::vector<std::string>& axes = {});
+
+/// More conditions than anybody reads. Throws InputError of the file's sweep beyond that.
+void require_few_cells(const TomlTable& study, size_t cells);
+
+/// Calls `use` with the study's file in which the swept keys have a cell's values; with the file
+/// itself for a cell without any. What is wrong with a swept value is said of the sweep: nobody has
+/// typed the --set that stands for it.
+void with_swept_values(const TomlTable& study, const SweptCell& cell,
+                       const std::function<void(const TomlTable&)>& use);
 
 /// The condition of each cell: the values, and a label in which words lead; empty where nothing is
 /// swept.
@@ -50,7 +62,8 @@ Axis read_axis(const TomlTable& sweep, const char* key, const Place& fixed, Inte
                std::optional<double> if_absent = std::nullopt);
 
 /// An axis of whole numbers.
-Axis read_count_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed);
+Axis read_count_axis(const TomlTable& sweep, const char* key, const Place& fixed, Interval allowed,
+                     std::optional<double> if_absent = std::nullopt);
 
 /// One value of an axis: where it is swept it is part of its cell's condition.
 struct Coordinate {
@@ -61,5 +74,8 @@ struct Coordinate {
 };
 
 Condition condition_at(std::span<const Coordinate> coordinates);
+
+/// The condition of both: of keys that are swept by their names, and of axes.
+Condition joined(const Condition& swept, const Condition& axes);
 
 }  // namespace sightline

@@ -52,9 +52,8 @@ std::optional<TrialBound> TrialBounds::of(const TrialRecord& trial) const {
   }
   std::vector<LineObservation> lines;
   for (const LineRecord& line : trial.lines()) {
-    if (line.is_right() && positions_m_.contains(line.feature)) {
-      lines.push_back(line_of(line, *study_.pose_study()->target));
-    }
+    const auto seen = line_of(line, *study_.pose_study()->target);
+    if (seen && line.is_right()) lines.push_back(*seen);
   }
   const auto bound = cramer_rao_bound(study_.camera_of(trial.trial), points_m,
                                       trial.true_cam_from_target, covariances_px2, lines);

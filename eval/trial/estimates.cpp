@@ -119,8 +119,9 @@ EstimateRecord solve(const PoseStudy& study, const TrialSolver& solver, const st
       problem.true_inliers.push_back(!record.observations()[slot].is_outlier);
     }
   }
-  const SolverAnswer answer = solver.solve({problem, study.solving.options, features, found.trial,
-                                            found.image ? &*found.image : nullptr});
+  const SolverOptions& options = found.options != nullptr ? *found.options : study.solving.options;
+  const SolverAnswer answer = solver.solve(
+      {problem, options, features, found.trial, found.image ? &*found.image : nullptr});
   const PoseEstimate& estimate = answer.estimate;
   EstimateRecord out;
   out.solver = name;

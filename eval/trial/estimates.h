@@ -18,6 +18,7 @@ struct FoundPoints {
   PoseProblem problem;
   std::vector<int> slots;  ///< point -> index into the trial's observations
   TrialName trial;
+  const SolverOptions* options = nullptr;  ///< of the trial's condition; null: the study's
   /// Of the target, which the true pose is known up to; null: it has none.
   const Symmetries* symmetries = nullptr;
   std::optional<QuestionImage> image;  ///< that they are of; none of a numeric study

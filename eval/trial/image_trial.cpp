@@ -37,7 +37,7 @@ FoundPoints found_points(const ImageStudy& study, const Trial& trial, const Pose
     found.slots.push_back(static_cast<int>(i));
   }
   for (const LineRecord& line : trial.record.lines()) {
-    problem.lines.push_back(line_of(line, *study.target));
+    problem.lines.push_back(line_of(line, *study.target).value());
   }
   return found;
 }

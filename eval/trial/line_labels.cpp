@@ -50,7 +50,7 @@ std::vector<LineRecord> compare_lines(std::span<const Observation> observations,
       record.offset_variance_px2 = found.line.covariance(0, 0);
       record.offset_slope_covariance = found.line.covariance(0, 1);
       record.slope_variance = found.line.covariance(1, 1);
-      const LineObservation line = line_of(record, target);
+      const LineObservation line = line_of(record, target).value();
       record.offset_px = offset_px(line, camera, true_cam_from_target);
       record.error_sigmas = error_sigmas(line, camera, true_cam_from_target);
       const bool is_wrong = std::abs(record.offset_px) > limits.line_px ||

@@ -23,12 +23,12 @@ void draw_to_front(std::vector<Item>& items, int count, RandomStream& stream) {
 }
 
 // The exact projections; none when a feature is behind the camera.
-std::vector<ObservationRecord> project_features(const NumericStudy& study,
+std::vector<ObservationRecord> project_features(const NumericStudy& study, const Camera& camera,
                                                 const Pose& cam_from_target) {
   std::vector<ObservationRecord> records;
   for (const int feature : study.features) {
     const TargetFeature& of_target = study.target->features[feature];
-    const auto pixel = project(study.camera, cam_from_target * of_target.position_m);
+    const auto pixel = project(camera, cam_from_target * of_target.position_m);
     if (!pixel) return {};
     ObservationRecord& record = records.emplace_back();
     record.feature = of_target.name;
@@ -39,18 +39,51 @@ std::vector<ObservationRecord> project_features(const NumericStudy& study,
   return records;
 }
 
-void add_noise(double sd_px, RandomStream& stream, std::vector<ObservationRecord>& records) {
+// Student's t of standard deviation 1, drawn as Bailey's polar form has it (Mathematics of
+// Computation 62, 1994).
+double drawn_student(double freedom, RandomStream& stream) {
+  const double radius = std::sqrt(freedom * (std::pow(stream.uniform(), -2 / freedom) - 1));
+  const double t = radius * std::cos(2 * std::numbers::pi * stream.uniform());
+  return t * std::sqrt((freedom - 2) / freedom);
+}
+
+double drawn_error(const NoiseLaw& law, RandomStream& stream) {
+  return law.tails == NoiseLaw::Tails::kStudent ? drawn_student(law.freedom, stream)
+                                                : stream.normal();
+}
+
+void add_noise(const NoiseLaw& law, double sd_px, RandomStream& stream,
+               std::vector<ObservationRecord>& records) {
   for (ObservationRecord& record : records) {
-    const double du = sd_px * stream.normal();
-    record.pixel += Eigen::Vector2d(du, sd_px * stream.normal());
+    const double du = sd_px * drawn_error(law, stream);
+    record.pixel += Eigen::Vector2d(du, sd_px * drawn_error(law, stream));
   }
+}
+
+// By the law, of what is uniform in the range.
+double size_by_law(const PlantedOutliers& law, double uniform_px) {
+  const auto [min, max] = law.size_px;
+  if (law.law == OutlierLaw::kFixed) return max;
+  if (law.law != OutlierLaw::kTailed) return uniform_px;
+  return min * max / (max + min - uniform_px);  // the share above a size falls with its inverse
 }
 
 Eigen::Vector2d drawn_displacement(const PlantedOutliers& law, RandomStream& stream) {
   const double angle = 2 * std::numbers::pi * stream.uniform();
-  const double size_px = stream.uniform(law.size_px.min, law.size_px.max);
-  return (law.law == OutlierLaw::kFixed ? law.size_px.max : size_px) *
-         Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  const double size_px = size_by_law(law, stream.uniform(law.size_px.min, law.size_px.max));
+  return size_px * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+}
+
+// How many outliers a trial has: the stated number, and each other point by chance.
+int drawn_count(const NumericStudy& study, const NumericCell& cell, uint64_t seed, int64_t trial) {
+  const double rate = study.setups[cell.setup].planted.rate;
+  if (rate == 0) return cell.outliers;
+  RandomStream stream(seed, "outlier_rate", trial);
+  int count = cell.outliers;
+  for (int i = cell.outliers; i < static_cast<int>(study.features.size()); ++i) {
+    count += stream.uniform() < rate;
+  }
+  return count;
 }
 
 void swap_pairs(const NumericStudy& study, int count, RandomStream& stream,
@@ -82,9 +115,8 @@ void replay_failures(const OutlierModel& model, RandomStream& stream,
   }
 }
 
-void plant_outliers(const NumericStudy& study, int count, RandomStream& stream,
-                    std::vector<ObservationRecord>& records) {
-  const PlantedOutliers& law = study.planted;
+void plant_outliers(const NumericStudy& study, const PlantedOutliers& law, int count,
+                    RandomStream& stream, std::vector<ObservationRecord>& records) {
   if (law.law == OutlierLaw::kModel) {
     replay_failures(*law.model, stream, records);
     return;
@@ -106,16 +138,17 @@ void plant_outliers(const NumericStudy& study, int count, RandomStream& stream,
 }
 
 FoundPoints all_points(const NumericStudy& study, const TrialRecord& record) {
-  const NumericCell& cell = study.cells[record.condition];
+  const NumericSetup& setup = study.setup_of(record.condition);
   const PoseTrial& trial = record.pose_trial();
   FoundPoints found;
+  found.options = &setup.options;
   found.trial = study.name_of(record.trial);
   PoseProblem& problem = found.problem;
-  problem.camera = study.camera;
-  if (study.solving.start == Start::kPrior) {
+  problem.camera = setup.camera;
+  if (setup.start == Start::kPrior) {
     problem.initial_cam_from_target = trial.prior_cam_from_target;
   }
-  if (study.is_sigma_known) problem.sigma_px = cell.noise_px;
+  if (setup.is_sigma_known) problem.sigma_px = study.cells[record.condition].noise_px;
   for (size_t i = 0; i < trial.observations.size(); ++i) {
     if (!trial.observations[i].is_found()) continue;
     problem.points_in_target.push_back(study.feature(static_cast<int>(i)).position_m);
@@ -132,24 +165,26 @@ TrialRecord run_numeric_trial(const NumericStudy& study, uint64_t seed, int64_t 
   record.trial = index;
   record.condition = static_cast<int>(index % study.cells.size());
   const NumericCell& cell = study.cells[record.condition];
+  const NumericSetup& setup = study.setup_of(record.condition);
 
   RandomStream pose_stream(seed, "pose", index);
-  record.true_cam_from_target = drawn_pose(study.poses, pose_stream);
+  record.true_cam_from_target = drawn_pose(setup.poses, pose_stream);
   PoseTrial& trial = record.pose_trial();
-  trial.observations = project_features(study, record.true_cam_from_target);
+  trial.observations = project_features(study, setup.camera, record.true_cam_from_target);
   if (trial.observations.empty()) {
     trial.estimates = failed_estimates(study.solving, EstimateOutcome::kNotImaged);
     return record;
   }
-  if (study.solving.start == Start::kPrior) {
+  if (setup.start == Start::kPrior) {
     RandomStream prior_stream(seed, "prior", index);
     trial.prior_cam_from_target =
-        draw_prior(record.true_cam_from_target, study.camera, study.prior, prior_stream);
+        draw_prior(record.true_cam_from_target, setup.camera, setup.prior, prior_stream);
   }
   RandomStream noise_stream(seed, "pixel", index);
-  add_noise(cell.noise_px, noise_stream, trial.observations);
+  add_noise(setup.noise, cell.noise_px, noise_stream, trial.observations);
   RandomStream outlier_stream(seed, "outliers", index);
-  plant_outliers(study, cell.outliers, outlier_stream, trial.observations);
+  const int outliers = drawn_count(study, cell, seed, index);
+  plant_outliers(study, setup.planted, outliers, outlier_stream, trial.observations);
   for (ObservationRecord& observation : trial.observations) {
     if (observation.is_found()) {
       observation.error_px = (observation.pixel - observation.true_pixel).norm();

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/camera/calibration_file.h"
 
-#include <fstream>
-#include <iterator>
 #include <string>
 
 #include <fmt/format.h>
@@ -12,6 +10,7 @@
 #include "scenes/camera/calibration_formats.h"
 #include "scenes/camera/lens_numbers.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace calibration {
@@ -53,14 +52,6 @@ GivenFile given_file(const fs::path& given) {
   return {text.substr(0, hash), text.substr(hash + 1)};
 }
 
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file);
-  if (!fs::is_regular_file(file) || !stream) {
-    throw InputError(fmt::format("{}: cannot be read", file.string()));
-  }
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 bool is_yaml(const fs::path& file) {
   return file.extension() == ".yaml" || file.extension() == ".yml";
 }
@@ -78,7 +69,7 @@ Camera camera_in(const GivenFile& given, const std::string& text) {
 
 Camera read_calibration_file(const fs::path& file) {
   const GivenFile given = given_file(file);
-  const std::string text = text_of(given.file);
+  const std::string text = read_input_file(given.file, kMostTextBytes);
   try {
     return camera_in(given, text);
   } catch (const InputError& error) {

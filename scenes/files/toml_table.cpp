@@ -8,8 +8,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <set>
 #include <sstream>
@@ -17,6 +15,7 @@
 #include <toml++/toml.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 #include "scenes/files/toml_text.h"
 
 namespace sightline {
@@ -147,13 +146,7 @@ void add_values(const std::string& path, const toml::node& node,
 
 TomlTable TomlTable::read_file(const std::filesystem::path& file,
                                std::span<const std::string> overrides) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!std::filesystem::is_regular_file(file) || !stream) {
-    throw InputError(
-        fmt::format("{}: no such file, or it is not one that can be read", file.string()));
-  }
-  const std::string text((std::istreambuf_iterator<char>(stream)), {});
-  return read_text(text, file, overrides);
+  return read_text(read_input_file(file, kMostTextBytes), file, overrides);
 }
 
 TomlTable TomlTable::read_text(const std::string& text, const std::filesystem::path& name,

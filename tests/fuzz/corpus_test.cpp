@@ -46,5 +46,21 @@ TEST(FuzzCorpus, Picture) {
   replay("picture", fuzz_picture);
 }
 
+TEST(FuzzCorpus, Json) {
+  replay("json", fuzz_json);
+}
+
+TEST(FuzzCorpus, Csv) {
+  replay("csv", fuzz_csv);
+}
+
+TEST(FuzzCorpus, Model) {
+  replay("model", fuzz_model);
+}
+
+TEST(FuzzCorpus, Answer) {
+  replay("answer", fuzz_answer);
+}
+
 }  // namespace
 }  // namespace sightline

@@ -2,10 +2,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/fuzz/targets.h"
 
+#include <cmath>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <string>
 
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "eval/datasets/model_file.h"
+#include "eval/doors/external_process.h"
+#include "eval/doors/process_json.h"
+#include "eval/output/csv_reader.h"
+#include "eval/output/json.h"
 #include "scenes/files/input_error.h"
 #include "scenes/files/toml_table.h"
 #include "scenes/mesh/mesh_soup.h"
@@ -32,13 +42,33 @@ void require_whole(const Mesh& mesh) {
   }
 }
 
+// What is refused by an InputError is refused well.
+template <typename Get>
+void attempt(const Get& get) {
+  try {
+    get();
+  } catch (const InputError&) {
+  }
+}
+
+// Bytes as a regular file that no disk has.
+class BytesAsFile {
+ public:
+  explicit BytesAsFile(std::string_view bytes) : file_(memfd_create("fuzz", MFD_CLOEXEC)) {
+    require(file_ >= 0);
+    require(write(file_, bytes.data(), bytes.size()) == static_cast<ssize_t>(bytes.size()));
+  }
+  ~BytesAsFile() { close(file_); }
+  BytesAsFile(const BytesAsFile&) = delete;
+  BytesAsFile& operator=(const BytesAsFile&) = delete;
+
+  std::filesystem::path path() const { return "/proc/self/fd/" + std::to_string(file_); }
+
+ private:
+  int file_;
+};
+
 void read_every_way(const TomlTable& table, const std::string& key) {
-  const auto attempt = [](const auto& get) {
-    try {
-      get();
-    } catch (const InputError&) {
-    }
-  };
   attempt([&] { table.number(key, {-1, 1}); });
   attempt([&] { table.integer(key); });
   attempt([&] { table.flag(key); });
@@ -92,6 +122,68 @@ void fuzz_picture(std::string_view bytes) {
     const int64_t pixels = int64_t{reading.pixels.rows} * reading.pixels.cols;
     require(pixels <= kMaxPicturePixels);
     if (channels == PictureChannels::kGrey && pixels > 0) require(reading.pixels.type() == CV_8UC1);
+  }
+}
+
+void fuzz_json(std::string_view bytes) {
+  const BytesAsFile file(bytes);
+  try {
+    const Json json = read_json(file.path());
+    for (const char* key : {"0", "cam_K", "obj_id", "cells"}) {
+      attempt([&] { whole_in(json, key); });
+      attempt([&] { number_in(json, key); });
+      attempt([&] { text_in(json, key); });
+      attempt([&] { numbers_in(json, key, 9); });
+      attempt([&] { numbers_or_nan_in(json, key, 3); });
+    }
+    for (const Json& value : json) attempt([&] { finite_numbers(value, "value", 3); });
+  } catch (const InputError&) {
+  }
+}
+
+void fuzz_csv(std::string_view bytes) {
+  const BytesAsFile file(bytes);
+  attempt([&] {
+    CsvReader csv(file.path());
+    while (csv.next()) {
+      for (const std::string& column : csv.columns()) {
+        attempt([&] { csv.whole(column); });
+        attempt([&] { csv.integer(column); });
+        attempt([&] { require(std::isfinite(csv.number(column))); });
+        attempt([&] { csv.number_or(column, 0); });
+        attempt([&] { require(csv.any_numbers(column, 3).size() == 3); });
+        csv.names(column);
+      }
+    }
+  });
+}
+
+void fuzz_model(std::string_view bytes) {
+  const BytesAsFile file(bytes);
+  attempt([&] {
+    const Mesh mesh = read_ply_as_it_is(file.path());
+    const int vertices = static_cast<int>(mesh.vertices.size());
+    require(vertices > 0);
+    for (const Triangle& triangle : mesh.triangles) {
+      for (const int v : triangle.vertex) require(v >= 0 && v < vertices);
+    }
+  });
+}
+
+void fuzz_answer(std::string_view bytes) {
+  const Json answer = Json::parse(bytes, nullptr, /*allow_exceptions=*/false);
+  const auto attempt_answer = [](const auto& get) {
+    try {
+      get();
+    } catch (const BadAnswer&) {
+    } catch (const Json::exception&) {  // who asks a process takes both for a bad answer
+    }
+  };
+  for (const char* key : {"pixel", "rotation", "covariance", "x"}) {
+    attempt_answer([&] { require(std::isfinite(number_at(answer, key))); });
+    attempt_answer([&] { require(vector_at(answer, key, 2).allFinite()); });
+    attempt_answer([&] { require(square_matrix_at(answer, key, 3).allFinite()); });
+    attempt_answer([&] { require(covariance_at(answer, key, 2).allFinite()); });
   }
 }
 

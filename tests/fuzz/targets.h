@@ -23,4 +23,16 @@ void fuzz_toml(std::string_view bytes);
 /// A PNG, JPEG or TIFF, as stored and as grey.
 void fuzz_picture(std::string_view bytes);
 
+/// A JSON file of a data set or a run, through every getter.
+void fuzz_json(std::string_view bytes);
+
+/// A CSV file, through every getter.
+void fuzz_csv(std::string_view bytes);
+
+/// A PLY model of a data set, every vertex kept.
+void fuzz_model(std::string_view bytes);
+
+/// What a process of somebody's answers: numbers, vectors and matrices.
+void fuzz_answer(std::string_view bytes);
+
 }  // namespace sightline

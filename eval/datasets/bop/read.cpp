@@ -197,6 +197,10 @@ class SceneReader {
         throw InputError(fmt::format("has no image {}, which {} has", im_id, bop::kSceneTruthFile));
       }
       read_camera(*camera, image);
+      if (image.k.cwiseAbs().maxCoeff() > kGreatestPx) {
+        throw InputError(
+            fmt::format("image {}: its camera has a number beyond {:g} px", im_id, kGreatestPx));
+      }
       if (camera->contains("depth_scale")) image.depth_scale = number_in(*camera, "depth_scale");
       image.depth_file = numbered_picture(folder_ / bop::kDepthFolder, {im_id});
     }
@@ -253,6 +257,7 @@ class SceneReader {
         usable_rotation(matrix_from_rows(numbers_or_nan_in(entry, "cam_R_m2c", 9)));
     const auto t = numbers_or_nan_in(entry, "cam_t_m2c", 3);
     const Eigen::Vector3d translation(t[0], t[1], t[2]);
+    require_near(kMetresPerMillimetre * translation, "cam_t_m2c");
     instance.has_pose = rotation && translation.allFinite();
     if (instance.has_pose) instance.cam_from_model = {*rotation, translation};
     return instance;

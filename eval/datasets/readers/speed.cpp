@@ -169,6 +169,7 @@ std::optional<Pose> stated_pose(const Json& entry) {
   const std::vector<double> r = numbers_or_nan_in(entry, first_key_in(entry, speed::kPositions), 3);
   const auto rotation = usable_rotation(Eigen::Quaterniond(q[0], q[1], q[2], q[3]));
   const Eigen::Vector3d translation(r[0], r[1], r[2]);
+  require_near(translation, first_key_in(entry, speed::kPositions));
   if (!rotation || !translation.allFinite()) return std::nullopt;
   return Pose{*rotation, translation};
 }

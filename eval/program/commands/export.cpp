@@ -52,6 +52,9 @@ void add_export(CLI::App& app) {
       "Whose poses [the only one]; of coco: features that it removed count as not found");
   sub->add_option("--condition", arguments->request.condition,
                   "Label of the condition whose trials count, where a run has several");
+  sub->add_option("--scene", arguments->request.scene,
+                  "Of a run of several scenes, the one that is written [all]")
+      ->check(CLI::NonNegativeNumber);
   sub->add_option("--out", arguments->out, "File to write [standard output]");
   sub->callback([arguments] { run_export(*arguments); });
 }

@@ -4,6 +4,7 @@
 
 #include <sstream>
 
+#include <SQLiteCpp/SQLiteCpp.h>
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -225,6 +226,33 @@ TEST_F(Compare, OfNumbersThatCannotBePassesNoGate) {
   EXPECT_THAT(complaint("\"mean\":1.0", "\"mean\":null"), HasSubstr("geodesic_deg.mean is null"));
   EXPECT_THAT(complaint("\"mean\":1.0", "\"mean\":-1"), HasSubstr("must be a number from 0"));
   EXPECT_THAT(complaint("\"trials\":1000", "\"trials\":1.5"), HasSubstr("must be a whole"));
+}
+
+// Whoever takes the bad trials out of a store must not pass for it.
+TEST_F(Compare, OfAStoreThatWasEditedPassesNoGate) {
+  const fs::path base = make("base");
+  const fs::path now = path("now");
+  const auto outputs_after = [&](const char* sql) {
+    fs::remove_all(now);
+    fs::copy(base, now, fs::copy_options::recursive);
+    SQLite::Database((now / "results.sqlite").string(), SQLite::OPEN_READWRITE).exec(sql);
+    const Outcome compared = run(fmt::format("compare {} {}", base.string(), now.string()));
+    const Outcome reported = run(fmt::format("report {}", now.string()));
+    EXPECT_EQ(compared.exit_code, reported.exit_code) << compared.output << reported.output;
+    EXPECT_EQ(lines_of(compared.output) == 1, compared.exit_code == 1) << compared.output;
+    return compared.exit_code == 1 ? compared.output : "";
+  };
+  EXPECT_EQ(outputs_after("UPDATE trials SET redraws = 0"), "");
+  EXPECT_THAT(outputs_after("DELETE FROM estimates WHERE trial = 3"),
+              HasSubstr("trial 3: has estimates of ''"));
+  EXPECT_THAT(outputs_after("PRAGMA foreign_keys = OFF; DELETE FROM estimates WHERE trial = 3; "
+                            "DELETE FROM observations WHERE trial = 3; "
+                            "DELETE FROM trials WHERE trial = 3"),
+              HasSubstr("results.sqlite: lacks trial 3; must hold every trial"));
+  EXPECT_THAT(outputs_after("UPDATE estimates SET solver = 'best' WHERE solver = 'orpe'"),
+              HasSubstr("has estimates of 'best, lspe'"));
+  EXPECT_THAT(outputs_after("UPDATE estimates SET geodesic_deg = -1 WHERE trial = 5"),
+              HasSubstr("trial 5: orpe: its geodesic_deg is -1"));
 }
 
 TEST_F(Compare, AnRmsOfASummaryAloneCannotBeCompared) {

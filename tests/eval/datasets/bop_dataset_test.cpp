@@ -65,7 +65,7 @@ TEST(BopResults, WhatIsWrongIsSaidWithItsLine) {
   EXPECT_THAT(error(kHeader + "0,0,1,best," + kQuarterTurn + ",1 2 3,-1\n"), HasSubstr("score"));
   EXPECT_THAT(error(kHeader + "0,x,1,1," + kQuarterTurn + ",1 2 3,-1\n"), HasSubstr("im_id 'x'"));
   EXPECT_THAT(error_of([&] { read_bop_results(folder.path() / "none.csv"); }),
-              HasSubstr("none.csv: cannot be read"));
+              HasSubstr("none.csv: is missing or cannot be read"));
 }
 
 // Two triangles that share an edge, its vertices given twice, and one vertex that nothing uses.

@@ -249,6 +249,21 @@ TEST_F(OddSet, IsRefusedInWordsOfOurs) {
   }
 }
 
+// Numbers that are finite and overflow where they are squared.
+TEST_F(OddSet, IsRefusedWithNumbersThatCannotBe) {
+  const json truths = read("test/000001/scene_gt.json");
+  json far = truths;
+  far["1"][0]["cam_t_m2c"] = {0, 0, 1e12};
+  write("test/000001/scene_gt.json", far.dump());
+  EXPECT_THAT(error(), HasSubstr("scene_gt.json: cam_t_m2c is 1e+09 m away, must be within 1e+08"));
+  write("test/000001/scene_gt.json", truths.dump());
+  EXPECT_EQ(error(), "");
+  json cameras = read("test/000001/scene_camera.json");
+  cameras["2"]["cam_K"][0] = 1e308;
+  write("test/000001/scene_camera.json", cameras.dump());
+  EXPECT_THAT(error(), HasSubstr("scene_camera.json: image 2: its camera has a number beyond"));
+}
+
 // 30 000 x 30 000 pixels of one bit: 100 kB that would be 900 MB.
 TEST_F(OddSet, IsNotDecodedWhereAPictureIsTooLarge) {
   std::string png("\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x75\x30\0\0\x75\x30\x01\0\0\0\0", 29);

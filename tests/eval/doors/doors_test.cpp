@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "eval/output/csv_reader.h"
+#include "eval/output/json.h"
 #include "tests/eval/program.h"
 #include "tests/scenes/temporary_folder.h"
 
@@ -215,6 +216,23 @@ TEST_F(Doors, WhatARunFoundGoesOutAndComesInAgain) {
   EXPECT_THAT(run(out + path("x.csv") + " --solver lspe --condition some").output,
               HasSubstr("--condition must be one of all"));
   EXPECT_FALSE(fs::exists(path("x.csv")));
+}
+
+// COCO's results know an image by one number, which each scene begins anew.
+TEST_F(Doors, KeypointsOfSeveralScenesGoOutSceneByScene) {
+  const fs::path scenes = path("set") + "/test";
+  fs::copy(scenes / "000000", scenes / "000007", fs::copy_options::recursive);
+  fs::remove(path("set") + "/test_targets_bop19.json");
+  ASSERT_EQ(evaluate("two", "--solvers lspe").exit_code, 0);
+  const std::string out = "export " + path("two") + " --format coco";
+  EXPECT_THAT(run(out).output, HasSubstr("of several scenes (0, 7, ...)"));
+  EXPECT_THAT(run(out + " --scene 3").output, HasSubstr("--scene 3: is of no trial"));
+  const Outcome first = run(out + " --scene 0");
+  const Outcome second = run(out + " --scene 7");
+  EXPECT_EQ(second.exit_code, 0);
+  EXPECT_EQ(Json::parse(second.output).size(), static_cast<size_t>(kPictures));
+  EXPECT_EQ(Json::parse(first.output)[0]["image_id"], Json::parse(second.output)[0]["image_id"]);
+  EXPECT_EQ(lines_of(run("export " + path("two") + " --scene 7").output), 1u + kPictures);
 }
 
 TEST_F(Doors, GuestsNeedNamesOfTheirOwn) {

@@ -16,6 +16,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "eval/image_sets/set_plan.h"
@@ -48,9 +49,7 @@ class ImageSet : public testing::Test {
   json read(const std::string& file) const {
     return json::parse(read_whole(folder_.path() / file));
   }
-  cv::Mat picture(const std::string& file) const {
-    return read_picture_file(path(file)).pixels;
-  }
+  cv::Mat picture(const std::string& file) const { return read_picture_file(path(file)).pixels; }
   // Every file of a set by its path, but for the lock.
   std::map<std::string, std::string> tree(const std::string& set) const {
     std::map<std::string, std::string> files;
@@ -370,6 +369,32 @@ TEST_F(ImageSet, VerifyFindsWhatIsWrong) {
   EXPECT_THAT(missing.output, HasSubstr("mask/000003_000000.png: is missing"));
   EXPECT_THAT(missing.output, HasSubstr("2 of 4 images are there"));
   EXPECT_THAT(run("render --verify " + path("nowhere")).output, HasSubstr("cannot be read"));
+}
+
+// What lies behind a link is not of the set, and a pipe would be read for ever.
+TEST_F(ImageSet, VerifyStaysWithinTheSet) {
+  ASSERT_EQ(render("set", "--count 1 --quiet").exit_code, 0);
+  const fs::path outside = folder_.write("outside.json", "{}");
+  const auto output_with = [&](const auto& make, const std::string& file) {
+    make(path("set/" + file));
+    const Outcome outcome = verify("set");
+    fs::remove(path("set/" + file));
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.output;
+    return outcome.output;
+  };
+  const auto link_to = [](const fs::path& there) {
+    return [there](const fs::path& file) { fs::create_symlink(there, file); };
+  };
+  EXPECT_THAT(output_with(link_to(outside), "link.json"), HasSubstr("link.json: is a link out of"));
+  EXPECT_THAT(output_with(link_to(fs::path("/")), "root"), HasSubstr("root: is a link out of"));
+  EXPECT_THAT(output_with(link_to("nowhere"), "dangling"), HasSubstr("neither a file nor"));
+  EXPECT_THAT(output_with(link_to("camera.json"), "alias"), HasSubstr("alias: does not belong"));
+  EXPECT_THAT(output_with([](const fs::path& file) { mkfifo(file.c_str(), 0600); }, "pipe"),
+              HasSubstr("pipe: is neither a file nor a folder"));
+  EXPECT_EQ(verify("set").exit_code, 0);
+  fs::remove(path("set/.lock"));
+  EXPECT_THAT(output_with([](const fs::path& file) { fs::create_directory(file); }, ".lock"),
+              HasSubstr(".lock: is a folder, must be a file"));
 }
 
 TEST_F(ImageSet, AFullDiskOrAForbiddenFolderIsOneLine) {

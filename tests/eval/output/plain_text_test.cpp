@@ -3,16 +3,21 @@
 #include "eval/output/plain_text.h"
 
 #include <filesystem>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include "eval/output/csv_reader.h"
 #include "eval/output/html.h"
 #include "eval/output/json.h"
 #include "eval/output/output_folder.h"
 #include "eval/output/text_table.h"
 #include "eval/report/gnuplot.h"
+#include "scenes/files/input_file.h"
 #include "scenes/files/toml_table.h"
 #include "scenes/files/toml_text.h"
 #include "tests/eval/program.h"
@@ -100,6 +105,40 @@ TEST(Json, OfSomebodyIsBounded) {
   EXPECT_THAT(error_of([&] { read_json(nested(76000)); }), HasSubstr("is nested deeper than 100"));
   EXPECT_THAT(error_of([&] { read_json("/dev/zero"); }), HasSubstr("cannot be read"));
   EXPECT_THAT(error_of([&] { read_json(folder.path() / "none"); }), HasSubstr("is missing"));
+}
+
+// Every reader opens files one way: what never ends and what is too large is known before it is
+// read.
+TEST(InputFiles, AreRegularAndBounded) {
+  const TemporaryFolder folder;
+  const std::filesystem::path pipe = folder.path() / "pipe.csv";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::filesystem::path sparse = folder.write("sparse.csv", "a\n1\n");
+  const auto read_all = [](const std::filesystem::path& file) {
+    return error_of([&] {
+      for (CsvReader reader(file); reader.next();) continue;
+    });
+  };
+  EXPECT_EQ(read_all(sparse), "");
+  EXPECT_THAT(read_all(pipe), HasSubstr("pipe.csv: is missing or cannot be read"));
+  EXPECT_THAT(read_all("/dev/zero"), HasSubstr("/dev/zero: is missing or cannot be read"));
+  std::filesystem::resize_file(sparse, kMostInputBytes + 1);  // of holes
+  EXPECT_THAT(read_all(sparse), HasSubstr("sparse.csv: is larger than 1024 MiB"));
+  EXPECT_THAT(error_of([&] { read_json(sparse); }), HasSubstr("is larger than 1024 MiB"));
+  std::filesystem::resize_file(sparse, 400'000'000);  // a line that is not read to its end
+  EXPECT_THAT(read_all(sparse), HasSubstr("line 3 is longer than 1048576 bytes"));
+  EXPECT_THAT(error_of([&] { TomlTable::read_file(pipe, {}); }), HasSubstr("cannot be read"));
+  EXPECT_THAT(error_of([&] { TomlTable::read_file(sparse, {}); }), HasSubstr("larger than 16 MiB"));
+}
+
+TEST(InputFiles, AreReadLineByLine) {
+  std::istringstream stream("one\n\nthree");
+  std::vector<std::string> lines;
+  for (std::string line; read_bounded_line(stream, line);) lines.push_back(line);
+  EXPECT_EQ(lines, (std::vector<std::string>{"one", "", "three"}));
+  std::istringstream none;
+  std::string line;
+  EXPECT_FALSE(read_bounded_line(none, line));
 }
 
 TEST(Toml, OfSomebodyIsBounded) {

@@ -181,7 +181,7 @@ TEST(AngleCharts, SortTrialsByPitchAndYaw) {
   EXPECT_EQ(trials, 60);
   EXPECT_EQ(cells.x.size(), 9u);
   EXPECT_LT(cells.value.front(), cells.value.back());  // later trials err more, and have more yaw
-  numeric_of(inputs.study).poses.theta_deg = {{0, 0, 0}};
+  numeric_of(inputs.study).setups[0].poses.theta_deg = {{0, 0, 0}};
   EXPECT_TRUE(angles_charts(inputs.input()).empty()) << "given poses are too few";
 }
 

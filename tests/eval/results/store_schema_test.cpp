@@ -130,6 +130,49 @@ TEST_F(StoreSchemaTest, IsNotOpenedWithAWrongTable) {
       file(), "table orientations without position");
 }
 
+// What is read from a view is computed by whoever made the file, and a trigger changes what is
+// added.
+TEST_F(StoreSchemaTest, IsNotOpenedWithAnythingButTables) {
+  const auto complaint_after = [&](const char* sql) {
+    std::filesystem::remove(file());
+    Store::create(file(), {}).add(std::vector{drawn_trial(0)});
+    SQLite::Database(file().string(), SQLite::OPEN_READWRITE).exec(sql);
+    return error_of([&] { Store::open(file()); });
+  };
+  expect_complaint(complaint_after("ALTER TABLE estimates RENAME TO e; "
+                                   "CREATE VIEW estimates AS SELECT * FROM e"),
+                   file(), "estimates is a view; must have tables alone");
+  expect_complaint(complaint_after("CREATE TRIGGER t AFTER INSERT ON trials BEGIN "
+                                   "DELETE FROM estimates; END"),
+                   file(), "t is a trigger");
+  EXPECT_EQ(complaint_after("CREATE INDEX i ON estimates (solver)"), "");
+}
+
+// SQLite keeps any value in any column, and reads a text as the number 0.
+TEST_F(StoreSchemaTest, SaysSoWhenAValueIsOfAnotherKindOrARowBelongsNowhere) {
+  const auto complaint_after = [&](const char* sql) {
+    std::filesystem::remove(file());
+    Store::create(file(), {}).add(std::vector{drawn_trial(0), drawn_trial(4)});
+    SQLite::Database(file().string(), SQLite::OPEN_READWRITE).exec(sql);
+    return error_of([&] { (void)Store::open(file()).trials(); });
+  };
+  EXPECT_EQ(complaint_after("UPDATE estimates SET geodesic_deg = 1"), "");
+  expect_complaint(complaint_after("UPDATE estimates SET geodesic_deg = 'small'"), file(),
+                   "geodesic_deg is no number");
+  expect_complaint(complaint_after("UPDATE estimates SET false_removals = 1.5"), file(),
+                   "false_removals is no whole number");
+  expect_complaint(complaint_after("UPDATE trials SET condition = 5000000000"), file(),
+                   "condition is no whole number below 2^31");
+  expect_complaint(complaint_after("UPDATE observations SET is_outlier = 2"), file(),
+                   "is_outlier is no 0 or 1");
+  expect_complaint(complaint_after("DELETE FROM estimates WHERE trial = 0 AND position = 0"),
+                   file(), "lacks position 0 of trial 0");
+  for (const char* sql : {"UPDATE estimates SET trial = 2 WHERE trial = 4",
+                          "UPDATE observations SET trial = 7 WHERE trial = 4"}) {
+    EXPECT_THAT(complaint_after(sql), HasSubstr("which table trials has not")) << sql;
+  }
+}
+
 TEST_F(StoreSchemaTest, SaysSoWhenAStatusOrALabelIsUnknown) {
   for (const char* sql :
        {"UPDATE estimates SET status = 'fine'", "UPDATE observations SET status = 'fine'",

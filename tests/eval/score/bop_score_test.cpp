@@ -198,7 +198,7 @@ TEST_F(ScoreProgram, SaysInALineWhatIsWrong) {
     EXPECT_THAT(outcome.output, HasSubstr(text));
   };
   const std::string out = "--out " + path("out");
-  expect_error(score("none.csv", out), "none.csv: cannot be read");
+  expect_error(score("none.csv", out), "none.csv: is missing or cannot be read");
   expect_error(score("mm.csv", out + " --split train"), "train: is no folder");
   expect_error(run("score " + path("mm.csv") + " --dataset " + path("none") + " " + out),
                "none: is no folder");

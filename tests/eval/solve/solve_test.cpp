@@ -173,7 +173,7 @@ TEST_F(Solve, RefusesBadFilesInOneLine) {
   EXPECT_THAT(refusal("# nothing\n"), HasSubstr("has no rows of numbers"));
   EXPECT_THAT(solve(points_file(0.1), "--solver oracle").output, HasSubstr("cannot be asked"));
   EXPECT_THAT(run("solve " + points_file(0.1) + " --camera none.yaml").output,
-              HasSubstr("none.yaml: cannot be read"));
+              HasSubstr("none.yaml: is missing or cannot be read"));
   folder_.write("k.json", R"({"camera_matrix": 3})");
   EXPECT_THAT(
       run("solve " + points_file(0.1) + " --camera " + (folder_.path() / "k.json").string()).output,

@@ -118,7 +118,7 @@ TEST(NumericStudy, MistakesGetOneClearLine) {
            {"sweep.noise_px=[]", "one or more"},
            {"sweep.noise_px=[1, 'two']", "must hold numbers only"},
            {"sweep.noise_px=[1, 1]", "twice"},
-           {"sweep.noise=[1]", "known: noise_px, outliers"},
+           {"sweep.noise=[1]", "or one of noise_px, outliers"},
            {"solver.sigma=1", "solver.sigma"},
            {"solver.final=minmax", "'minimax'"},
            {"solver.max_removed=-1", "from 0"},

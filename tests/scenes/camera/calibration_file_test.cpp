@@ -184,7 +184,7 @@ TEST_F(CalibrationFile, WhatIsNoneIsSaidSo) {
   EXPECT_THAT(error("c.yaml", "a: [1, 2"), HasSubstr("is no calibration file of OpenCV or Kalibr"));
   EXPECT_THAT(error("c.json", "{\"a\": 1}"), HasSubstr("camera_matrix is missing"));
   EXPECT_THAT(error_of([] { read_calibration_file("none.yaml"); }),
-              HasSubstr("none.yaml: cannot be read"));
+              HasSubstr("none.yaml: is missing or cannot be read"));
 }
 
 }  // namespace
