@@ -43,10 +43,10 @@ class Fitter {
   Registration fit(const std::vector<FitLevel>& levels, const Pose& start, double blurred_sd);
 
  private:
-  struct Step;
-  std::optional<Step> linearise(const FitLevel& level, BasisDrawer& drawer, int samples);
+  bool linearise(const FitLevel& level, BasisDrawer& drawer);
   bool fit_blurred(const FitLevel& level, double deviation_sd);
   bool fit_sharp(const FitLevel& level, Registration& out);
+  Solution solve_sharp(int image_width);
   PriorTerm prior_term(bool is_sharp) const;
   double apply(const Unknowns& change, bool is_sharp);
   Matrix6d camera_term(const FitLevel& level);
@@ -59,6 +59,7 @@ class Fitter {
   const RegistrationOptions& options_;
   double radius_m_;
   FitState state_;
+  BlockRows rows_;     // of the last linearisation
   Learning learning_;  // of the sharp image
   int drawings_ = 0;
 };
