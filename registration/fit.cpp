@@ -36,6 +36,13 @@ Matrix6d information_of(const PosePrior& prior) {
 
 }  // namespace
 
+double noise_variance(const GreyImage& image, const RegistrationOptions& options) {
+  const double noise_sd =
+      options.noise_sd_grey ? *options.noise_sd_grey : estimated_noise_sd(image.grey);
+  const double step_grey = 255 / (std::exp2(options.bits) - 1);
+  return noise_sd * noise_sd + step_grey * step_grey / 12;
+}
+
 std::vector<FitLevel> fit_levels(const GreyImage& image, bool is_near) {
   std::vector<FitLevel> levels;
   if (!is_near) {

@@ -21,6 +21,9 @@ struct FitLevel {
   bool is_sharp() const { return blur_px == 0; }
 };
 
+/// The variance of a pixel's noise, rounding included: as stated, or else estimated.
+double noise_variance(const GreyImage& image, const RegistrationOptions& options);
+
 /// The image from most blurred to sharp; the sharp one alone where `is_near`.
 std::vector<FitLevel> fit_levels(const GreyImage& image, bool is_near);
 
