@@ -9,7 +9,7 @@
 
 #include "eval/benchmarks/benches.h"
 #include "eval/benchmarks/pose_accuracy.h"
-#include "eval/program/kept_memory.h"
+#include "eval/work/kept_memory.h"
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);  // as in the program, both

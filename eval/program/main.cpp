@@ -11,8 +11,8 @@
 
 #include "eval/output/plain_text.h"
 #include "eval/program/commands.h"
-#include "eval/program/kept_memory.h"
 #include "eval/work/interrupt.h"
+#include "eval/work/kept_memory.h"
 #include "scenes/files/input_error.h"
 
 namespace {
