@@ -58,12 +58,6 @@ double outside_variance(const Learning& learning, int id) {
          learning.blocks[static_cast<size_t>(id)].outside;
 }
 
-// What the solution leaves of a block: its residuals and its deviations.
-struct BlockRest {
-  std::vector<double> residuals;
-  Eigen::VectorXd deviations;
-};
-
 BlockRest rest_of(const BlockRows& rows, const Block& block, const ReducedBlock& reduced_block,
                   const Unknowns& change) {
   Eigen::VectorXd of_columns(kUnknowns + 1);
@@ -102,38 +96,18 @@ double deviation_cost(const BlockRest& rest, const ReducedBlock& block, double i
          std::log(block.covariance.determinant());
 }
 
-void judge_fit(const BlockRows& rows, const Learning& learning, Solution& solution) {
-  // A pixel of Student's noise costs this much on average: so that more pixels are no worse.
-  constexpr double kMeanCost = 0.93;
-  constexpr double kMostSquare = 25;
-  std::vector<double> sizes;
-  double squares = 0, inside = 0, outside = 0;
-  int lost = 0;
+// Sums up how large the deviations are.
+void find_excess(const BlockRows& rows, const Learning& learning, Solution& solution) {
+  double inside = 0, outside = 0;
   for (size_t b = 0; b < rows.blocks.size(); ++b) {
-    const Block& block = rows.blocks[b];
-    const BlockLearning& learnt = learning.blocks[static_cast<size_t>(block.id)];
-    const BlockRest rest = rest_of(rows, block, solution.blocks[b], solution.change);
-    const double inside_now = inside_variance(learning, block.id);
-    const double outside_now = outside_variance(learning, block.id);
-    solution.cost += deviation_cost(rest, solution.blocks[b], inside_now, outside_now);
-    inside += inside_square(rest, solution.blocks[b]) / inside_now;
-    outside += outside_square(rest, solution.blocks[b]) / outside_now;
-    for (const double residual : rest.residuals) {
-      const double square = residual * residual / learning.pixel_variance;
-      const double own = square / learnt.noise;
-      solution.cost += (kNu + 1) * std::log1p(square / kNu) - kMeanCost;
-      squares += std::min(own, kMostSquare);
-      if ((kNu + 1) / (kNu + own) < kLostWeight) ++lost;
-      sizes.push_back(std::abs(residual));
-    }
+    const int id = rows.blocks[b].id;
+    inside += inside_square(solution.rests[b], solution.blocks[b]) / inside_variance(learning, id);
+    outside +=
+        outside_square(solution.rests[b], solution.blocks[b]) / outside_variance(learning, id);
   }
-  solution.pixels = static_cast<int>(sizes.size());
   const auto blocks = static_cast<double>(rows.blocks.size());
   solution.inside_excess = inside / (kInsideLocals * blocks);
   solution.outside_excess = outside / (kOutsideLocals * blocks);
-  solution.chi2 = squares / solution.pixels;
-  solution.lost = static_cast<double>(lost) / solution.pixels;
-  solution.mad_sd = sd_of_median(median(sizes));
 }
 
 // The excess of a block's noise over the image's. What pixels of noise alone show by chance is
@@ -200,15 +174,52 @@ Solution solve_rows(const BlockRows& rows, const Learning& learning, const Prior
   }
   solution.information = sum.topLeftCorner(kUnknowns, kUnknowns) + prior.information;
   solution.change = solved(solution.information, sum.topRightCorner(kUnknowns, 1) + prior.pull);
-  judge_fit(rows, learning, solution);
+  for (size_t b = 0; b < rows.blocks.size(); ++b) {
+    solution.rests.push_back(rest_of(rows, rows.blocks[b], solution.blocks[b], solution.change));
+  }
+  find_excess(rows, learning, solution);
   return solution;
+}
+
+FitQuality fit_quality(const BlockRows& rows, const Learning& learning, const Solution& solution) {
+  // A pixel of Student's noise costs this much on average: so that more pixels are no worse.
+  constexpr double kMeanCost = 0.93;
+  constexpr double kMostSquare = 25;
+  FitQuality quality;
+  double squares = 0;
+  int lost = 0, pixels = 0;
+  for (size_t b = 0; b < rows.blocks.size(); ++b) {
+    const int id = rows.blocks[b].id;
+    const double noise = learning.blocks[static_cast<size_t>(id)].noise;
+    quality.cost += deviation_cost(solution.rests[b], solution.blocks[b],
+                                   inside_variance(learning, id), outside_variance(learning, id));
+    for (const double residual : solution.rests[b].residuals) {
+      const double square = residual * residual / learning.pixel_variance;
+      const double own = square / noise;
+      quality.cost += (kNu + 1) * std::log1p(square / kNu) - kMeanCost;
+      squares += std::min(own, kMostSquare);
+      if ((kNu + 1) / (kNu + own) < kLostWeight) ++lost;
+    }
+    pixels += rows.blocks[b].count;
+  }
+  quality.chi2 = squares / pixels;
+  quality.lost = static_cast<double>(lost) / pixels;
+  return quality;
+}
+
+double robust_sd(const Solution& solution) {
+  std::vector<double> sizes;
+  for (const BlockRest& rest : solution.rests) {
+    for (const double residual : rest.residuals) sizes.push_back(std::abs(residual));
+  }
+  return sd_of_median(median(sizes));
 }
 
 void learn(const BlockRows& rows, const Solution& solution, int image_width, Learning& learning) {
   for (size_t b = 0; b < rows.blocks.size(); ++b) {
     const Block& block = rows.blocks[b];
     BlockLearning& learnt = learning.blocks[static_cast<size_t>(block.id)];
-    const BlockRest rest = rest_of(rows, block, solution.blocks[b], solution.change);
+    const BlockRest& rest = solution.rests[b];
     const double inside = learning.inside_sd * learning.inside_sd;
     const double outside = learning.outside_sd * learning.outside_sd;
     learnt.inside =

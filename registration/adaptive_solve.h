@@ -45,6 +45,12 @@ struct ReducedBlock {
 /// albedo_normal) / 0.7, its background's by `outside_variance`. `gram` is weighted_gram's.
 ReducedBlock reduced(const double* gram, double inside_variance, double outside_variance);
 
+/// What a solution leaves of a block: its residuals, and its deviations.
+struct BlockRest {
+  std::vector<double> residuals;  ///< of its pixels
+  Eigen::VectorXd deviations;
+};
+
 /// What is known of the unknowns besides the image: `information` about zero change, and `pull`,
 /// the information times what the change should be.
 struct PriorTerm {
@@ -52,22 +58,31 @@ struct PriorTerm {
   Unknowns pull = Unknowns::Zero();
 };
 
-/// One solution for the change of the unknowns, and how the image fits it.
+/// One solution for the change of the unknowns, and what it leaves.
 struct Solution {
   Unknowns change = Unknowns::Zero();
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(kUnknowns, kUnknowns);
-  std::vector<ReducedBlock> blocks;  ///< one a block of the rows
-  int pixels = 0;
-  double chi2 = 0;    ///< mean of the squared residuals over their variance, each at most 25
-  double lost = 0;    ///< share of the pixels with a weight under 0.3
-  double mad_sd = 0;  ///< of the residuals, from their median size
-  double cost = 0;    ///< -2 log of the posterior, but for a constant of the image
+  std::vector<ReducedBlock> blocks;              ///< one a block of the rows
+  std::vector<BlockRest> rests;                  ///< alike
   double inside_excess = 1, outside_excess = 1;  ///< of the deviations' variance over the assumed
+};
+
+/// How an image fits a solution.
+struct FitQuality {
+  double chi2 = 0;  ///< mean of the squared residuals over their variance, each at most 25
+  double lost = 0;  ///< share of the pixels with a weight under 0.3
+  double cost = 0;  ///< -2 log of the posterior, but for a constant of the image
 };
 
 /// Solves for the change, weights as learnt so far.
 Solution solve_rows(const BlockRows& rows, const Learning& learning, const PriorTerm& prior,
                     int image_width);
+
+/// Of a solution that was found with these weights.
+FitQuality fit_quality(const BlockRows& rows, const Learning& learning, const Solution& solution);
+
+/// The standard deviation of a solution's residuals, from their median size.
+double robust_sd(const Solution& solution);
 
 /// What the solution's residuals and deviations teach: Learning for the next solution. The sds grow
 /// by at most the factor 10, over-relaxed.

@@ -57,7 +57,8 @@ int blocks_across(const cv::Size& image);
 int block_count(const cv::Size& image);
 
 /// Linearises the model about a pose and a light. `has_blur`: the blur's variance is an unknown.
-BlockRows block_rows(const GreyImage& image, const ModelView& view, const Pose& cam_from_target,
-                     const LightVector& light, bool has_blur);
+/// `rows` keeps its memory, which is megabytes, from one linearisation to the next.
+void linearise_rows(const GreyImage& image, const ModelView& view, const Pose& cam_from_target,
+                    const LightVector& light, bool has_blur, BlockRows& rows);
 
 }  // namespace sightline

@@ -46,16 +46,16 @@ double enlargement(double cluster_factor, double lost) {
 
 }  // namespace
 
-PoseSpread pose_spread(const BlockRows& rows, const Solution& solution) {
+PoseSpread pose_spread(const BlockRows& rows, const Solution& solution, const FitQuality& quality) {
   const auto inverse = inverse_of(solution.information);
   PoseSpread spread;
   if (!inverse) return spread;
-  const Eigen::MatrixXd own = inverse->topLeftCorner(6, 6) * std::max(1.0, solution.chi2);
+  const Eigen::MatrixXd own = inverse->topLeftCorner(6, 6) * std::max(1.0, quality.chi2);
   const Eigen::MatrixXd sandwich = *inverse * disagreement(rows, solution) * *inverse;
   if (const auto own_information = inverse_of(own)) {
     spread.cluster_factor = (*own_information * sandwich.topLeftCorner(6, 6)).trace() / 6;
   }
-  spread.covariance = own * enlargement(spread.cluster_factor, solution.lost);
+  spread.covariance = own * enlargement(spread.cluster_factor, quality.lost);
   return spread;
 }
 

@@ -16,6 +16,6 @@ struct PoseSpread {
 
 /// The inverse of the solution's information, enlarged by what the residuals and the disagreement
 /// of neighbouring blocks show beyond noise.
-PoseSpread pose_spread(const BlockRows& rows, const Solution& solution);
+PoseSpread pose_spread(const BlockRows& rows, const Solution& solution, const FitQuality& quality);
 
 }  // namespace sightline

@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kLeastBlurVariance = 0.05, kMostBlurVariance = 9;  // px^2
 constexpr double kLeastDrawnBlurVariance = 0.04;
+constexpr double kSmallStepPx = 5e-3;  // of the sharp image
+constexpr int kSharpRounds = 2;        // solutions of one linearisation
 
 GreyImage blurred_image(GreyImage image, double sigma_px) {
   image.grey = blurred(image.grey, sigma_px);
@@ -34,6 +36,13 @@ Matrix6d information_of(const PosePrior& prior) {
 
 }  // namespace
 
+double noise_variance(const GreyImage& image, const RegistrationOptions& options) {
+  const double noise_sd =
+      options.noise_sd_grey ? *options.noise_sd_grey : estimated_noise_sd(image.grey);
+  const double step_grey = 255 / (std::exp2(options.bits) - 1);
+  return noise_sd * noise_sd + step_grey * step_grey / 12;
+}
+
 std::vector<FitLevel> fit_levels(const GreyImage& image, bool is_near) {
   std::vector<FitLevel> levels;
   if (!is_near) {
@@ -45,12 +54,6 @@ std::vector<FitLevel> fit_levels(const GreyImage& image, bool is_near) {
   return levels;
 }
 
-// A linearisation: the model drawn at the state's pose, and its rows.
-struct Fitter::Step {
-  BlockRows rows;
-  LightVector light;
-};
-
 Fitter::Fitter(const Mesh& mesh, const PosePrior& prior, double noise_variance,
                const RegistrationOptions& options)
     : mesh_(mesh),
@@ -60,24 +63,23 @@ Fitter::Fitter(const Mesh& mesh, const PosePrior& prior, double noise_variance,
       options_(options),
       radius_m_(radius_m(mesh)) {}
 
-std::optional<Fitter::Step> Fitter::linearise(const FitLevel& level, BasisDrawer& drawer,
-                                              int samples) {
+// Draws the model at the state's pose and makes rows_ of it; false where nothing can be compared.
+bool Fitter::linearise(const FitLevel& level, BasisDrawer& drawer) {
   const double own =
       std::max(kLeastDrawnBlurVariance, state_.blur_variance_px2) / (level.factor * level.factor);
   const double blur_px = std::sqrt(own + level.blur_px * level.blur_px);
   BasisOptions basis;
-  basis.samples_per_pixel = samples;
+  basis.samples_per_pixel = level.samples;
   basis.margin_px = margin_px(blur_px);
   if (state_.light) basis.to_light_in_cam = state_.light->segment<3>(1);
   const auto images = drawer.draw(state_.cam_from_target, basis);
-  if (!images) return std::nullopt;
+  if (!images) return false;
   ++drawings_;
   const auto region = level.is_sharp() ? options_.region : RegistrationRegion::kImage;
   const ModelView view = model_view(*images, blur_px, region);
   if (!state_.light) fit_first_light(level.image, view);
-  return Step{
-      block_rows(level.image, view, state_.cam_from_target, *state_.light, level.is_sharp()),
-      *state_.light};
+  linearise_rows(level.image, view, state_.cam_from_target, *state_.light, level.is_sharp(), rows_);
+  return !rows_.blocks.empty();
 }
 
 // Least squares, with a weak belief in a light from the camera.
@@ -140,47 +142,49 @@ bool Fitter::fit_blurred(const FitLevel& level, double deviation_sd) {
   learning.inside_sd = deviation_sd;
   learning.outside_sd = deviation_sd;
   for (int i = 0; i < level.most_steps; ++i) {
-    const auto step = linearise(level, drawer, level.samples);
-    if (!step || step->rows.blocks.empty()) return false;
-    const Solution solution = solve_rows(step->rows, learning, prior_term(false), size.width);
+    if (!linearise(level, drawer)) return false;
+    const Solution solution = solve_rows(rows_, learning, prior_term(false), size.width);
     const double moved_px = apply(solution.change, false) * level.image.camera.fx_px;
-    learning.pixel_variance =
-        std::max(kLeastVariance, kVarianceOverSeen * solution.mad_sd * solution.mad_sd);
+    const double seen_sd = robust_sd(solution);
+    learning.pixel_variance = std::max(kLeastVariance, kVarianceOverSeen * seen_sd * seen_sd);
     if (i > 0 && moved_px < kSmallStep * level.blur_px) break;
   }
   return true;
 }
 
+// Solves the linearisation at hand again and again, each time with better weights.
+Solution Fitter::solve_sharp(int image_width) {
+  const PriorTerm prior = prior_term(true);
+  Solution solution = solve_rows(rows_, learning_, prior, image_width);
+  for (int round = 1; round < kSharpRounds; ++round) {
+    learn(rows_, solution, image_width, learning_);
+    solution = solve_rows(rows_, learning_, prior, image_width);
+  }
+  return solution;
+}
+
 bool Fitter::fit_sharp(const FitLevel& level, Registration& out) {
-  constexpr double kSmallStepPx = 5e-3;
-  constexpr int kRounds = 2;  // solutions of one linearisation, each with better weights
   BasisDrawer drawer(mesh_, level.image.camera);
   const cv::Size size = level.image.grey.size();
-  Learning& learning = learning_;
-  learning = new_learning(size, noise_variance_);
+  learning_ = new_learning(size, noise_variance_);
   for (int i = 0; i < level.most_steps; ++i) {
-    const auto step = linearise(level, drawer, level.samples);
-    if (!step || step->rows.blocks.empty()) return false;
-    const PriorTerm prior = prior_term(true);
-    Solution solution;
-    for (int round = 0; round < kRounds; ++round) {
-      if (round > 0) learn(step->rows, solution, size.width, learning);
-      solution = solve_rows(step->rows, learning, prior, size.width);
-    }
+    if (!linearise(level, drawer)) return false;
+    const Solution solution = solve_sharp(size.width);
     const double moved_px = apply(solution.change, true) * level.image.camera.fx_px;
     const bool is_last = i + 1 == level.most_steps || (i > 0 && moved_px < kSmallStepPx);
     if (is_last) {
-      const PoseSpread spread = pose_spread(step->rows, solution);
+      const FitQuality quality = fit_quality(rows_, learning_, solution);
+      const PoseSpread spread = pose_spread(rows_, solution, quality);
       out.covariance = spread.covariance;
       out.cluster_factor = spread.cluster_factor;
-      out.chi2 = solution.chi2;
-      out.lost = solution.lost;
-      out.cost = solution.cost;
-      out.inside_sd = learning.inside_sd;
-      out.outside_sd = learning.outside_sd;
+      out.chi2 = quality.chi2;
+      out.lost = quality.lost;
+      out.cost = quality.cost;
+      out.inside_sd = learning_.inside_sd;
+      out.outside_sd = learning_.outside_sd;
       return true;
     }
-    learn(step->rows, solution, size.width, learning);
+    learn(rows_, solution, size.width, learning_);
   }
   return false;
 }
@@ -194,10 +198,9 @@ Matrix6d Fitter::camera_term(const FitLevel& level) {
     FitLevel seen = level;
     seen.image.camera = camera;
     BasisDrawer drawer(mesh_, camera);
-    const auto step = linearise(seen, drawer, level.samples);
-    if (!step || step->rows.blocks.empty()) return std::nullopt;
+    if (!linearise(seen, drawer)) return std::nullopt;
     const int width = level.image.grey.cols;
-    return Vector6d(solve_rows(step->rows, learning_, prior_term(true), width).change.head<6>());
+    return Vector6d(solve_rows(rows_, learning_, prior_term(true), width).change.head<6>());
   };
   const auto own = change_before(level.image.camera);
   const auto add = [&](double sd, auto move) {

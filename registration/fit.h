@@ -21,6 +21,9 @@ struct FitLevel {
   bool is_sharp() const { return blur_px == 0; }
 };
 
+/// The variance of a pixel's noise, rounding included: as stated, or else estimated.
+double noise_variance(const GreyImage& image, const RegistrationOptions& options);
+
 /// The image from most blurred to sharp; the sharp one alone where `is_near`.
 std::vector<FitLevel> fit_levels(const GreyImage& image, bool is_near);
 
@@ -43,10 +46,10 @@ class Fitter {
   Registration fit(const std::vector<FitLevel>& levels, const Pose& start, double blurred_sd);
 
  private:
-  struct Step;
-  std::optional<Step> linearise(const FitLevel& level, BasisDrawer& drawer, int samples);
+  bool linearise(const FitLevel& level, BasisDrawer& drawer);
   bool fit_blurred(const FitLevel& level, double deviation_sd);
   bool fit_sharp(const FitLevel& level, Registration& out);
+  Solution solve_sharp(int image_width);
   PriorTerm prior_term(bool is_sharp) const;
   double apply(const Unknowns& change, bool is_sharp);
   Matrix6d camera_term(const FitLevel& level);
@@ -59,6 +62,7 @@ class Fitter {
   const RegistrationOptions& options_;
   double radius_m_;
   FitState state_;
+  BlockRows rows_;     // of the last linearisation
   Learning learning_;  // of the sharp image
   int drawings_ = 0;
 };

@@ -175,10 +175,7 @@ std::string_view to_string(RegistrationStatus status) {
 
 Registration register_mesh(const RegistrationTask& task, const RegistrationOptions& options) {
   const GreyImage image = grey_image(task.image, task.white, options.is_srgb, task.camera);
-  const double noise_sd =
-      options.noise_sd_grey ? *options.noise_sd_grey : estimated_noise_sd(image.grey);
-  const double step_grey = 255 / (std::exp2(options.bits) - 1);
-  Fitter fitter(task.mesh, task.prior, noise_sd * noise_sd + step_grey * step_grey / 12, options);
+  Fitter fitter(task.mesh, task.prior, noise_variance(image, options), options);
   Trials trials;
   if (const Usability found = usability(task, image); found.status != RegistrationStatus::kOk) {
     Registration out;

@@ -9,9 +9,11 @@
 
 #include "eval/benchmarks/benches.h"
 #include "eval/benchmarks/pose_accuracy.h"
+#include "eval/work/kept_memory.h"
 
 int main(int argc, char** argv) {
-  cv::setNumThreads(1);  // as in the program
+  cv::setNumThreads(1);  // as in the program, both
+  sightline::keep_freed_memory();
   if (argc > 1 && std::string_view(argv[1]) == "accuracy") {
     return sightline::run_pose_accuracy(argc - 2, argv + 2);
   }

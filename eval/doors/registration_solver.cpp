@@ -32,23 +32,32 @@ EstimateOutcome outcome_of(RegistrationStatus status) {
   return from_string<EstimateOutcome>(to_string(status));
 }
 
-SolverAnswer lay_on_image(const SolverQuestion& question, RegistrationRegion region) {
-  if (question.image == nullptr) return {};
-  const QuestionImage& shown = *question.image;
+RegistrationOptions options_of(const QuestionImage& shown) {
   RegistrationOptions options;
-  options.region = region;
   options.noise_sd_grey = shown.registration.noise_sd_grey;
   options.bits = shown.scene.sensor.bits;
   options.is_srgb = shown.scene.sensor.is_srgb;
   options.camera_errors = {shown.registration.focal_sd_fraction,
                            shown.registration.principal_point_sd_px,
                            shown.registration.distortion_sd};
-  RegistrationTask task{*shown.registration.mesh,
-                        question.problem.camera,
-                        shown.image,
-                        std::exp2(shown.scene.sensor.bits) - 1,
-                        shown.prior,
-                        std::nullopt};
+  return options;
+}
+
+RegistrationTask task_of(const QuestionImage& shown, const Camera& camera) {
+  return {*shown.registration.mesh,
+          camera,
+          shown.image,
+          std::exp2(shown.scene.sensor.bits) - 1,
+          shown.prior,
+          std::nullopt};
+}
+
+SolverAnswer lay_on_image(const SolverQuestion& question, RegistrationRegion region) {
+  if (question.image == nullptr) return {};
+  const QuestionImage& shown = *question.image;
+  RegistrationOptions options = options_of(shown);
+  options.region = region;
+  RegistrationTask task = task_of(shown, question.problem.camera);
   if (shown.registration.start == RegistrationStart::kAtFeatures) {
     task.start = pose_of_features(question, shown.prior);
   }
@@ -79,6 +88,12 @@ std::shared_ptr<const Mesh> registration_mesh(const std::shared_ptr<const Target
     for (Part& part : mesh->parts) part.albedo = kUnknownAlbedo;
   }
   return mesh;
+}
+
+std::optional<ModelImage> model_beside(const QuestionImage& shown, const Camera& camera,
+                                       const Pose& cam_from_target) {
+  if (shown.registration.mesh == nullptr) return std::nullopt;
+  return model_image(task_of(shown, camera), options_of(shown), cam_from_target);
 }
 
 std::vector<TrialSolver> registration_solvers(RegistrationUse use) {

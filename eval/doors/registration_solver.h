@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <opencv2/core/mat.hpp>
@@ -10,6 +11,7 @@
 #include "eval/doors/registration_setup.h"
 #include "eval/doors/trial_solver.h"
 #include "features/prediction.h"
+#include "registration/model_image.h"
 #include "scenes/scene/scene.h"
 #include "scenes/target/target.h"
 
@@ -27,6 +29,11 @@ struct QuestionImage {
 /// The target's mesh as a setup knows it.
 std::shared_ptr<const Mesh> registration_mesh(const std::shared_ptr<const Target>& target,
                                               const RegistrationSetup& setup);
+
+/// The mesh as the registration knows it, drawn at a pose beside the image; none where no
+/// registration is asked for, or it cannot be drawn.
+std::optional<ModelImage> model_beside(const QuestionImage& shown, const Camera& camera,
+                                       const Pose& cam_from_target);
 
 /// The registrations that are asked for, as solvers of a trial: registration_image and
 /// registration_outline.

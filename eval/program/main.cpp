@@ -6,13 +6,13 @@
 #include <iostream>
 
 #include <CLI/CLI.hpp>
-#include <malloc.h>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
 
 #include "eval/output/plain_text.h"
 #include "eval/program/commands.h"
 #include "eval/work/interrupt.h"
+#include "eval/work/kept_memory.h"
 #include "scenes/files/input_error.h"
 
 namespace {
@@ -39,21 +39,13 @@ std::string command_line(int argc, char** argv) {
   return text;
 }
 
-// Frames come and go: memory that was once fetched from the system, page by page, is kept for the
-// next. A fifth of the time of an image set.
-void keep_freed_memory() {
-  constexpr int kMebibyte = 1 << 20;
-  mallopt(M_MMAP_THRESHOLD, 32 * kMebibyte);
-  mallopt(M_TRIM_THRESHOLD, 512 * kMebibyte);
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   cv::setNumThreads(1);  // processes are the unit of parallel work
   // What it cannot read we say in a line of our own.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  keep_freed_memory();
+  sightline::keep_freed_memory();
   CLI::App app(
       "Sightline renders meshed targets under known poses, extracts features from the images,\n"
       "estimates the pose from them, and measures every step against the truth.",

@@ -199,6 +199,20 @@ cv::Rect region_of_interest(const Trial& trial, const std::map<std::string, Outl
   return region;
 }
 
+// A picture of a larger part takes more of the page than it is worth.
+constexpr int kMostResidualPixels = 1 << 20;
+
+// Of the first registration that has a pose.
+std::optional<ResidualPicture> residual_of(const ImageStudy& images, const Trial& trial) {
+  for (const EstimateRecord& estimate : trial.record.estimates()) {
+    if (!estimate.is_ok() || !estimate.solver.starts_with("registration_")) continue;
+    const auto model = model_beside(images, trial, estimate.cam_from_target);
+    if (!model || model->box.area() > kMostResidualPixels) return std::nullopt;
+    return residual_picture(estimate.solver, *model);
+  }
+  return std::nullopt;
+}
+
 FrameEvidence evidence_of(const Study& study, const FrameChoice& choice, const TrialRecord& stored,
                           Renderer& renderer) {
   const ImageStudy& images = *study.images();
@@ -220,6 +234,7 @@ FrameEvidence evidence_of(const Study& study, const FrameChoice& choice, const T
   }
   evidence.picture = picture_of(trial.frame.image, trial.scene.sensor.bits,
                                 region_of_interest(trial, evidence.outlines));
+  evidence.residual = residual_of(images, trial);
   trial.frame = {};  // sixty of them would fill the memory
   return evidence;
 }
@@ -231,6 +246,9 @@ size_t bytes_of(const FrameEvidence& frame) {
   constexpr size_t kBytesAnOutlineSample = 2 * 3;  // most lie on straight lines
   constexpr size_t kBytesAVertex = 14;
   size_t bytes = frame.picture.png_url.size() + kBytesAFrame;
+  if (frame.residual) {
+    bytes += frame.residual->model_url.size() + frame.residual->residual_url.size();
+  }
   for (const Observation& observation : frame.trial.observations) {
     for (const ImageLine& line : observation.lines) {
       bytes += kBytesAnEdgePixel * line.edge_pixels.size();

@@ -14,6 +14,7 @@ namespace sightline {
 std::string answer_figure(const ReportInput& input);
 std::string sweep_figure(const ReportInput& input);
 std::string table_figure(const ReportInput& input);
+std::string ladder_figure(const ReportInput& input);
 std::string diagnosis_figure(const ReportInput& input);
 std::string extraction_figure(const ReportInput& input);
 std::string silhouette_figure(const ReportInput& input);

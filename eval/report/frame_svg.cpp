@@ -43,7 +43,8 @@ std::string base64(std::string_view bytes) {
   for (size_t i = 0; i < bytes.size(); i += 3) {
     const size_t count = std::min<size_t>(3, bytes.size() - i);
     uint32_t group = 0;
-    for (size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? static_cast<uint8_t>(bytes[i + k]) : 0);
+    for (size_t k = 0; k < 3; ++k)
+      group = group << 8 | (k < count ? static_cast<uint8_t>(bytes[i + k]) : 0);
     for (size_t k = 0; k < 4; ++k) {
       text += k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
     }
@@ -81,6 +82,19 @@ cv::Mat reduced(const cv::Mat& image, int reduction) {
 
 std::string png_data_url(const cv::Mat& image) {
   return "data:image/png;base64," + base64(png_bytes(image, PngEffort::kSmall));
+}
+
+// Blue, white and red of the same lightness at both ends, to be told apart by who sees no red too
+// (after ColorBrewer's RdBu); blue, green, red as OpenCV has them.
+cv::Vec3b residual_colour(float sds) {
+  constexpr double kStepsASd = 2;
+  const cv::Vec3d white(247, 247, 247), blue(172, 102, 33), red(43, 24, 178);
+  if (std::isnan(sds)) return {128, 128, 128};
+  const double step = std::round(kStepsASd * sds) / (kStepsASd * kMostResidualSds);
+  const double part = std::clamp(step, -1.0, 1.0);
+  const cv::Vec3d mixed = white + std::abs(part) * ((part < 0 ? blue : red) - white);
+  return {cv::saturate_cast<uchar>(mixed[0]), cv::saturate_cast<uchar>(mixed[1]),
+          cv::saturate_cast<uchar>(mixed[2])};
 }
 
 // A mark on a dark line, to be seen on white paint and on the night sky.
@@ -238,6 +252,17 @@ FramePicture picture_of(const cv::Mat& image, int bits, const cv::Rect& of_inter
   picture.pixels.height -= picture.pixels.height % picture.reduction;
   picture.png_url = png_data_url(reduced(as_8_bit(image(picture.pixels), bits), picture.reduction));
   return picture;
+}
+
+ResidualPicture residual_picture(const std::string& solver, const ModelImage& model) {
+  cv::Mat grey, colours(model.residual_sds.size(), CV_8UC3);
+  model.model_grey.convertTo(grey, CV_8U);
+  for (int y = 0; y < colours.rows; ++y) {
+    for (int x = 0; x < colours.cols; ++x) {
+      colours.at<cv::Vec3b>(y, x) = residual_colour(model.residual_sds.at<float>(y, x));
+    }
+  }
+  return {solver, png_data_url(grey), png_data_url(colours), model.box};
 }
 
 std::string feature_marks(const Observation& observation, const ObservationRecord& record,

@@ -10,6 +10,7 @@
 #include "eval/records/records.h"
 #include "eval/report/report.h"
 #include "features/observation.h"
+#include "registration/model_image.h"
 
 namespace sightline {
 
@@ -20,6 +21,11 @@ namespace sightline {
 /// margin; reduced by a whole number where that is still more than 1024; grey levels of more than 8
 /// bits are brought to 8 by `bits`.
 FramePicture picture_of(const cv::Mat& image, int bits, const cv::Rect& of_interest);
+
+/// Residuals from blue (darker than the model) over white to red, in steps of half a standard
+/// deviation up to this many; grey where nothing is compared.
+inline constexpr int kMostResidualSds = 5;
+ResidualPicture residual_picture(const std::string& solver, const ModelImage& model);
 
 /// All that is drawn for one feature: window, its lines or its outline as it was laid, the edge
 /// pixels of these, corners, truth, what was found.

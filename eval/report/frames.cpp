@@ -206,6 +206,21 @@ std::string reduction_text(const Study& study, const FramePicture& picture) {
   return text;
 }
 
+// The image, the model and what it leaves, side by side.
+mustache::data residual_section(const FrameEvidence& frame) {
+  if (!frame.residual) return mustache::data(mustache::data::type::list);
+  const ResidualPicture& residual = *frame.residual;
+  return mustache::object{{"solver", solver_label(residual.solver)},
+                          {"view", view_box(residual.pixels)},
+                          {"x", fmt::format("{}", residual.pixels.x - 0.5)},
+                          {"y", fmt::format("{}", residual.pixels.y - 0.5)},
+                          {"width", fmt::to_string(residual.pixels.width)},
+                          {"height", fmt::to_string(residual.pixels.height)},
+                          {"model", residual.model_url},
+                          {"residual", residual.residual_url},
+                          {"most", fmt::to_string(kMostResidualSds)}};
+}
+
 mustache::data frame_section(const Study& study, const FrameEvidence& frame, size_t number) {
   const TrialRecord& record = frame.stored;
   const FramePicture& picture = frame.picture;
@@ -234,6 +249,7 @@ mustache::data frame_section(const Study& study, const FrameEvidence& frame, siz
       {"marks", drawings.marks},
       {"labels", drawings.labels},
       {"size", fmt::format("{:.1f}", picture.pixels.width / kLabelsAcross)},
+      {"residuals", residual_section(frame)},
       {"estimates", estimates_of(record)},
       {"closeups", drawings.closeups},
   };

@@ -23,15 +23,6 @@ std::optional<PaperFigure> mean_paper_figure(const Study& study, const std::vect
 
 }  // namespace
 
-std::string lead_solver(const Study& study) {
-  std::string lead;
-  for (const TrialSolver& solver : study.solvers()) {
-    if (solver.name == "orpe") return "orpe";
-    if (lead.empty() && !solver.evaluation_only) lead = solver.name;
-  }
-  return lead;
-}
-
 SolverMeans means_over_conditions(const Study& study, const Summary& summary,
                                   std::string_view solver) {
   SolverMeans means;

@@ -12,10 +12,6 @@
 
 namespace sightline {
 
-/// The solver that a report is about: ORPE where it takes part, else the first that needs no truth;
-/// empty where there is none.
-std::string lead_solver(const Study& study);
-
 /// One solver over all conditions of a study that have trials (a shard may lack some), each
 /// condition weighing the same: what the paper's text calls its average.
 struct SolverMeans {

@@ -26,6 +26,7 @@ constexpr std::array kFigures = {
     ReportFigure{"boxes", "Spread of the errors", nullptr, boxes_charts},
     ReportFigure{"paired", "Differences on the same trials", nullptr, paired_charts},
     ReportFigure{"angles", "Errors by attitude", nullptr, angles_charts},
+    ReportFigure{"ladder", "From the image to the pose", ladder_figure},
     ReportFigure{"diagnosis", "What the solvers said themselves", diagnosis_figure},
     ReportFigure{"extraction", "Feature extraction", extraction_figure},
     ReportFigure{"silhouette", "Outline beside the features", silhouette_figure},

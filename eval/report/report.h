@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -31,6 +32,14 @@ struct FramePicture {
   cv::Size image;
 };
 
+/// A registration's model and what it leaves of the image, as PNGs in data: URLs, and the part of
+/// the image that they cover.
+struct ResidualPicture {
+  std::string solver;
+  std::string model_url, residual_url;
+  cv::Rect pixels;
+};
+
 /// One frame as the report shows it: the run's record of a trial, whose numbers are stated, the
 /// same trial run again for its picture (its images are let go), and the target's outline as each
 /// solver's pose in that picture (by the solver's name; absent where it failed) would draw it.
@@ -41,6 +50,7 @@ struct FrameEvidence {
   Trial trial;
   FramePicture picture;
   std::map<std::string, Outline> outlines;
+  std::optional<ResidualPicture> residual = {};  ///< of the first registration that has a pose
 };
 
 /// All that a figure may draw.

@@ -89,6 +89,15 @@ Measured mean_over_conditions(const Summary& summary, std::string_view solver,
   return {mean, {mean - std::sqrt(below) / count, mean + std::sqrt(above) / count}};
 }
 
+std::string lead_solver(const Study& study) {
+  std::string lead;
+  for (const TrialSolver& solver : study.solvers()) {
+    if (solver.name == "orpe") return "orpe";
+    if (lead.empty() && !solver.evaluation_only) lead = solver.name;
+  }
+  return lead;
+}
+
 const PaperFigure* paper_figure(const Condition& condition, std::string_view solver) {
   const auto found = condition.paper.find(std::string(solver));
   return found == condition.paper.end() ? nullptr : &found->second;

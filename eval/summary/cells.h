@@ -121,6 +121,10 @@ double mean_over_conditions(const Summary& summary, std::string_view solver,
 Measured mean_over_conditions(const Summary& summary, std::string_view solver,
                               ErrorSummary CellErrors::*error);
 
+/// The solver that a report is about: ORPE where it takes part, else the first that needs no truth;
+/// empty where there is none.
+std::string lead_solver(const Study& study);
+
 // ---- What a paper prints of the cells ----
 
 /// The figure that the paper prints for a solver in a condition, or null.

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "eval/summary/ladder.h"
 #include "eval/summary/pose_cell.h"
 #include "eval/summary/repeats.h"
 #include "eval/summary/trial_bounds.h"
@@ -67,7 +68,11 @@ CellObservations PoseCondition::observations(int condition) const {
 class PoseSummariser {
  public:
   explicit PoseSummariser(const Study& study)
-      : study_(study), bounds_(study), features_(study), conditions_(study.conditions.size()) {
+      : study_(study),
+        bounds_(study),
+        features_(study),
+        ladder_(study),
+        conditions_(study.conditions.size()) {
     const std::vector<std::string> solvers = study.solver_names();
     for (size_t i = 0; i < conditions_.size(); ++i) {
       for (const std::string& solver : solvers) {
@@ -104,6 +109,7 @@ class PoseSummariser {
     reference.bound = bounds_.of(trial);
     if (reference.bound) condition.add(*reference.bound);
     for (PoseCell& cell : condition.cells) cell.add(trial, reference);
+    ladder_.add(trial, reference.bound);
   }
 
   Summary finish() const {
@@ -116,6 +122,7 @@ class PoseSummariser {
       summary.observations.push_back(condition.observations(static_cast<int>(i)));
     }
     summary.features = features_.summaries();
+    summary.ladder = ladder_.steps();
     return summary;
   }
 
@@ -129,6 +136,7 @@ class PoseSummariser {
   const Study& study_;
   TrialBounds bounds_;
   FeatureStatistics features_;
+  Ladder ladder_;
   std::vector<PoseCondition> conditions_;
 };
 

@@ -11,6 +11,7 @@
 #include "eval/study/study.h"
 #include "eval/summary/cells.h"
 #include "eval/summary/feature_statistics.h"
+#include "eval/summary/ladder.h"
 
 namespace sightline {
 
@@ -19,6 +20,7 @@ struct Summary {
   std::vector<CellObservations> observations;   ///< by condition
   std::vector<FeatureSummary> features;         ///< by condition, then in the study's order
   std::optional<FeatureStatistics> extraction;  ///< of a study with images
+  std::vector<LadderStep> ladder;               ///< of one with the image's bound
 };
 
 /// Trials that are all in memory, in any order, as a source; they must outlive it.

@@ -58,7 +58,7 @@ std::optional<TrialBound> TrialBounds::of(const TrialRecord& trial) const {
   const auto bound = cramer_rao_bound(study_.camera_of(trial.trial), points_m,
                                       trial.true_cam_from_target, covariances_px2, lines);
   if (!bound) return std::nullopt;
-  return TrialBound{std::min(bound->attitude_rms_rad / kDegree, kAngleCapDeg),
+  return TrialBound{bound->covariance, std::min(bound->attitude_rms_rad / kDegree, kAngleCapDeg),
                     std::min(100 * bound->translation_rms, kTranslationCapPercent),
                     std::min(bound->geodesic_rms_rad / kDegree, kAngleCapDeg)};
 }

@@ -16,6 +16,7 @@ namespace sightline {
 
 /// The Cramér-Rao bound of one trial's pose, in the units of errors and capped like them.
 struct TrialBound {
+  Eigen::Matrix<double, 6, 6> covariance;  ///< of (w, dt); radians and metres
   double theta_deg = 0;
   double t_percent = 0;
   double geodesic_deg = 0;

@@ -154,6 +154,27 @@ std::string solver_block(const Study& study, const Summary& summary) {
                      {"", {exact}}});
 }
 
+// By how much errors grow from what the image says to what the solvers make of it.
+std::string ladder_block(const Summary& summary) {
+  if (summary.ladder.empty()) return "";
+  Texts labels;
+  TextColumn trials{"trials", {}};
+  TextGroup angle{"geodesic angle", {{"factor", {}}, {"95 %", {}}}};
+  TextGroup translation{"translation", angle.columns};
+  const auto add = [](const Measured& factor, TextGroup& group) {
+    group.columns[0].cells.push_back(number_text(factor.value, 2));
+    group.columns[1].cells.push_back(interval_text(factor.ci95, 2));
+  };
+  for (const LadderStep& step : summary.ladder) {
+    labels.push_back(fmt::format("{} to {}", step.from, step.to));
+    trials.cells.push_back(fmt::to_string(step.trials));
+    add(step.geodesic, angle);
+    add(step.translation, translation);
+  }
+  return text_block("From the image to the pose: by how much errors grow, geometric means", labels,
+                    {{"", {trials}}, angle, translation});
+}
+
 std::string extraction_block(const Study& study, const Summary& summary) {
   std::vector<double> found, outliers, inlier_rms;
   for (const CellObservations& cell : summary.observations) {
@@ -295,9 +316,9 @@ std::string to_table(const Study& study, const Summary& summary) {
   for (const Quantity& error : quantities()) {
     if (error.paper != nullptr) text += error_block(study, summary, error);
   }
-  return text + solver_block(study, summary) + extraction_block(study, summary) +
-         sweep_of_nuisances(study, summary) + lock_line(summary) + failure_lines(study, summary) +
-         warning;
+  return text + solver_block(study, summary) + ladder_block(summary) +
+         extraction_block(study, summary) + sweep_of_nuisances(study, summary) +
+         lock_line(summary) + failure_lines(study, summary) + warning;
 }
 
 }  // namespace sightline

@@ -121,6 +121,14 @@ std::optional<EstimateOutcome> begin_trial(const ImageStudy& study, uint64_t see
   return std::nullopt;
 }
 
+QuestionImage question_image(const ImageStudy& study, const Trial& trial) {
+  const ImageSetup& setup = study.setup_of(trial.record.condition);
+  return {
+      trial.frame.image, trial.scene,
+      prior_of(trial.record.pose_trial().prior_cam_from_target, trial.scene.camera, setup.prior),
+      setup.registration};
+}
+
 // What a process found in a trial's frame, as far as it is recorded.
 std::vector<Observation> recorded_observations(const ImageStudy& study, const Trial& trial,
                                                std::span<const ObservationRecord> recorded) {
@@ -169,6 +177,12 @@ Trial recall_image_trial(const ImageStudy& study, uint64_t seed, const TrialReco
   return trial;
 }
 
+std::optional<ModelImage> model_beside(const ImageStudy& study, const Trial& trial,
+                                       const Pose& cam_from_target) {
+  if (trial.frame.image.empty()) return std::nullopt;
+  return model_beside(question_image(study, trial), trial.scene.camera, cam_from_target);
+}
+
 void extract_and_solve(const ImageStudy& study, uint64_t seed, Trial& trial, Renderer& renderer) {
   TrialRecord& record = trial.record;
   PoseTrial& pose_trial = record.pose_trial();
@@ -181,11 +195,7 @@ void extract_and_solve(const ImageStudy& study, uint64_t seed, Trial& trial, Ren
     return;
   }
   FoundPoints found = found_points(study, trial, extraction.cam_from_target);
-  const ImageSetup& setup = study.setup_of(record.condition);
-  found.image.emplace(
-      QuestionImage{trial.frame.image, trial.scene,
-                    prior_of(pose_trial.prior_cam_from_target, trial.scene.camera, setup.prior),
-                    setup.registration});
+  found.image.emplace(question_image(study, trial));
   pose_trial.estimates = estimates_of(study, seed, found, record);
 }
 

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "eval/records/records.h"
 #include "eval/study/study.h"
 #include "features/observation.h"
+#include "registration/model_image.h"
 #include "renderer/frame.h"
 #include "renderer/renderer.h"
 
@@ -30,6 +32,11 @@ Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Ren
 /// answered, and what the solvers made of it, is as recorded. It asks no process.
 Trial recall_image_trial(const ImageStudy& study, uint64_t seed, const TrialRecord& recorded,
                          Renderer& renderer);
+
+/// The target's mesh at a pose beside a trial's frame, as the study's registration compares them;
+/// none of a study without one.
+std::optional<ModelImage> model_beside(const ImageStudy& study, const Trial& trial,
+                                       const Pose& cam_from_target);
 
 /// The second half of run_image_trial: what is extracted from the trial's frame around its prior,
 /// how that stands against the truth, and what the solvers make of it.

@@ -9,6 +9,7 @@
 
 #include "pose/angles.h"
 #include "registration/grey_image.h"
+#include "registration/model_image.h"
 #include "registration/symmetric.h"
 #include "tests/registration/scenes_for_registration.h"
 
@@ -201,6 +202,39 @@ TEST(GreyImage, TellsItsNoise) {
   random.fill(grey, cv::RNG::NORMAL, 100, 5);
   for (int y = 0; y < 200; ++y) grey.row(y) += 0.3 * y;  // a slope is no noise
   EXPECT_NEAR(estimated_noise_sd(grey), 5, 0.15);
+}
+
+// The mean square of what the model leaves of the image, in its noise's variances.
+double unexplained(const Shown& seen, const Pose& pose) {
+  const auto model = model_image(seen.task(), options_of(seen.scene), pose);
+  if (!model) return -1;
+  double sum = 0;
+  int count = 0;
+  for (int y = 0; y < model->box.height; ++y) {
+    for (int x = 0; x < model->box.width; ++x) {
+      const float sds = model->residual_sds.at<float>(y, x);
+      if (std::isnan(sds)) continue;
+      sum += sds * sds;
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : -1;
+}
+
+TEST(ModelImage, LeavesNoiseAloneAtTheTruth) {
+  const Shown seen = shown(brick_scene());
+  const Pose truth = seen.scene.cam_from_target;
+  EXPECT_NEAR(unexplained(seen, truth), 1, 0.1);  // some 10 000 pixels, and light and blur fitted
+  Pose beside = truth;
+  beside.translation.x() += 2 * truth.translation.z() / seen.scene.camera.fx_px;  // 2 px
+  EXPECT_GT(unexplained(seen, beside), 3);
+}
+
+TEST(ModelImage, IsNoneBehindTheCamera) {
+  const Shown seen = shown(brick_scene());
+  Pose behind = seen.scene.cam_from_target;
+  behind.translation.z() = -behind.translation.z();
+  EXPECT_FALSE(model_image(seen.task(), options_of(seen.scene), behind).has_value());
 }
 
 }  // namespace

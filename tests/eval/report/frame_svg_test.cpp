@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/report/frame_svg.h"
 
+#include <limits>
+#include <set>
+#include <string>
+
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -118,6 +122,24 @@ TEST(Outline, OfWhatCannotBeImagedIsEmpty) {
   Pose behind = scene.cam_from_target;
   behind.translation.z() = -20;
   EXPECT_TRUE(target_outline(renderer, scene, behind).empty());
+}
+
+TEST(ResidualPicture, TellsDarkerFromBrighterAndNeitherFromWhatIsNotCompared) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  const auto picture_of_residual = [](float sds) {
+    const cv::Mat grey(4, 4, CV_32F, cv::Scalar(100));
+    return residual_picture("registration_image",
+                            {cv::Rect(3, 5, 4, 4), grey, cv::Mat(4, 4, CV_32F, cv::Scalar(sds))});
+  };
+  const ResidualPicture none = picture_of_residual(0);
+  EXPECT_EQ(none.pixels, cv::Rect(3, 5, 4, 4));
+  // Within a quarter of a standard deviation it is the same colour; beyond five too.
+  EXPECT_EQ(none.residual_url, picture_of_residual(0.2F).residual_url);
+  EXPECT_EQ(picture_of_residual(5).residual_url, picture_of_residual(50).residual_url);
+  const std::set<std::string> different = {
+      none.residual_url, picture_of_residual(1).residual_url, picture_of_residual(-1).residual_url,
+      picture_of_residual(5).residual_url, picture_of_residual(nan).residual_url};
+  EXPECT_EQ(different.size(), 5U);
 }
 
 }  // namespace

@@ -92,8 +92,18 @@ SmallReport small_drawn_study() {
   return report;
 }
 
+// It has the image's bound.
+SmallReport small_study_with_ladder() {
+  SmallReport report;
+  report.summary.ladder = {
+      {"image", "outline alone", 4, {1.32, {1.21, 1.43}}, {1.16, {1.02, 1.27}}}};
+  return report;
+}
+
 TEST(Report, HasEveryFigureAndAWayToIt) {
-  const std::string page = SmallReport().page();
+  EXPECT_FALSE(has(SmallReport().page(), "<section id=\"ladder\""));
+  const std::string page = small_study_with_ladder().page();
+  EXPECT_TRUE(has(page, "<td>1.32</td>"));
   const std::string drawn = small_drawn_study().page();
   for (const ReportFigure& figure : report_figures()) {
     const std::string name(figure.name);
