@@ -27,7 +27,7 @@ Kernel::Point_3 to_cgal(const Eigen::Vector3d& v) {
 }  // namespace
 
 // The mesh's shape, and the tree over it once somebody has asked: pictures of a mesh without
-// features never do, and the tree of 10 million triangles takes a minute and 2 GB.
+// features never do, and of millions of triangles the tree is the largest thing there is.
 struct Occluder::Tree {
   explicit Tree(const Mesh& mesh) : vertices(mesh.vertices) {
     corners.reserve(mesh.triangles.size());
