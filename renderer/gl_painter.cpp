@@ -17,6 +17,8 @@ namespace {
 // Bounds memory: a tile has 8 bytes a sample here, and 4 there.
 constexpr int64_t kMaxTileSamples = 1 << 22;
 constexpr int kMaxTileSide = 8192;
+// As well: the library has a copy of them of its own.
+constexpr size_t kMaxVertices = 3'000'000;
 
 constexpr const char* kVertexShader = R"(#version 450 core
 layout(location = 0) in vec3 position;  // clip coordinates
@@ -229,10 +231,18 @@ class GlPainter : public SamplePainter {
               static_cast<float>(2 * row / skewed.height - 1), static_cast<float>(depth)},
              triangle.id});
       }
+      if (vertices_.size() >= kMaxVertices) draw_vertices();
     }
+    draw_vertices();
+  }
+
+  // Draws what has been gathered, over what was drawn before.
+  void draw_vertices() {
+    if (vertices_.empty()) return;
     gl_.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(vertices_.size() * sizeof(Vertex)),
                    vertices_.data(), GL_STREAM_DRAW);
     gl_.DrawArrays(GL_TRIANGLES, 0, static_cast<GLsizei>(vertices_.size()));
+    vertices_.clear();
   }
 
   void gather(const SkewedBox& skewed, VisibleStrip& strip) const {

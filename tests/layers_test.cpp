@@ -39,8 +39,9 @@ using Rooms = std::map<std::string, std::set<std::string>>;
 const Rooms kEvalRooms = {
     {"benchmarks", {"doors", "study", "trial", "work"}},
     {"program",
-     {"compare", "image_sets", "output", "report", "results", "run", "score", "study", "tables",
-      "solve", "target", "work"}},
+     {"compare", "image_sets", "output", "report", "results", "review", "run", "score", "study",
+      "tables", "solve", "target", "work"}},
+    {"review", {"output", "report", "statistics", "target"}},
     {"solve", {"datasets", "output"}},
     {"compare", {"output", "records", "results", "score", "statistics", "summary"}},
     {"score", {"datasets", "metrics", "output", "records", "report", "statistics"}},

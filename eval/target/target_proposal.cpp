@@ -24,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kLeastSizeM = 1e-4;  // edges of a target must be longer than a nanometre
-constexpr size_t kFewFeatures = 6;    // with fewer in sight a wrong one cannot be told
 
 // Decimals with which a coordinate is known to some 1e-5 of the size; the micrometre or finer.
 int decimals_for(double size_m) {
@@ -142,6 +141,13 @@ fs::path folder_of(const std::string& given, const std::string& name) {
   return folder;
 }
 
+// The lengths of a corner's two edges.
+std::string edges_text(const TargetFeature& feature) {
+  if (feature.kind != FeatureKind::kLineIntersection) return "rounded";
+  const auto length_m = [&](int i) { return (feature.edges[i].end_m - feature.position_m).norm(); };
+  return fmt::format("{:.2f} {:>6.2f}", length_m(0), length_m(1));
+}
+
 std::string proposals_text(const std::vector<FeatureProposal>& proposals) {
   std::string out =
       "\n   #  proposed feature             position m                 edges m      visible "
@@ -149,19 +155,16 @@ std::string proposals_text(const std::vector<FeatureProposal>& proposals) {
   for (size_t i = 0; i < proposals.size(); ++i) {
     const TargetFeature& feature = proposals[i].feature;
     const Eigen::Vector3d& p = feature.position_m;
-    out += fmt::format(
-        "{:>4}  {:<24} {:>8.3f} {:>8.3f} {:>8.3f}  {:>6.2f} {:>6.2f}  {:>6.0f} % "
-        "{:>5.0f} %\n",
-        i + 1, feature.name, p.x(), p.y(), p.z(), (feature.edges[0].end_m - p).norm(),
-        (feature.edges[1].end_m - p).norm(), 100 * proposals[i].visible_fraction,
-        100 * proposals[i].outline_fraction);
+    out += fmt::format("{:>4}  {:<24} {:>8.3f} {:>8.3f} {:>8.3f}  {:>13}  {:>6.0f} % {:>5.0f} %\n",
+                       i + 1, feature.name, p.x(), p.y(), p.z(), edges_text(feature),
+                       100 * proposals[i].visible_fraction, 100 * proposals[i].outline_fraction);
   }
   out += "visible: share of 200 views over the sphere; outline: of its lesser edge\n";
-  if (proposals.size() < kFewFeatures) {
+  if (proposals.size() < kWantedFeatures) {
     out += fmt::format(
         "warning: {} feature{}; a study wants {} or more: add some to target.toml by hand\n",
         proposals.size(), proposals.size() == 1 ? " is all there is" : "s are all there are",
-        kFewFeatures);
+        kWantedFeatures);
   }
   return out;
 }
@@ -204,9 +207,9 @@ std::string moving_text(const Mesh& mesh) {
                      fmt::join(names, ", "));
 }
 
-std::string write_proposal(const BuiltTarget& built, const fs::path& folder,
-                           const std::string& picture_file,
-                           const std::vector<FeatureProposal>& proposals) {
+TargetReport write_proposal(const BuiltTarget& built, const fs::path& folder,
+                            const std::string& picture_file,
+                            const std::vector<FeatureProposal>& proposals) {
   const std::string picture =
       picture_file.empty() ? (folder / "features.png").string() : picture_file;
   Undo undo(folder);
@@ -217,15 +220,19 @@ std::string write_proposal(const BuiltTarget& built, const fs::path& folder,
   const auto written = load_target((folder / "target.toml").string());
   write_picture(draw_features(written), picture);
   undo.keep();
-  return proposals_text(proposals) + moving_text(built.mesh) +
-         fmt::format("\ntarget     {}\npicture    {}\n", (folder / "target.toml").string(),
-                     picture);
+  const fs::path file = folder / "target.toml";
+  const std::string text =
+      proposals_text(proposals) + moving_text(built.mesh) +
+      fmt::format("\ntarget     {}\npicture    {}\n", file.string(), picture) +
+      "next       sightline target TARGET --review review.html: judge them; --drop NAME, --add "
+      "x,y,z\n";
+  return {text, file};
 }
 
 }  // namespace
 
-std::string propose_target(const std::shared_ptr<const Target>& target,
-                           const TargetArguments& arguments) {
+TargetReport propose_target(const std::shared_ptr<const Target>& target,
+                            const TargetArguments& arguments) {
   const std::string name = plain_name(target->name);
   const fs::path folder = folder_of(*arguments.propose, name);
   const Bounds box = bounds(target->mesh);
@@ -237,8 +244,10 @@ std::string propose_target(const std::shared_ptr<const Target>& target,
   const std::vector<FeatureProposal> proposals =
       propose_features(target->mesh, target->occluder, {.max_features = arguments.max_features});
   if (proposals.empty()) {
-    throw InputError(fmt::format(
-        "{}: has nothing to propose: no two straight sharp edges meet in sight", arguments.target));
+    throw InputError(
+        fmt::format("{}: has nothing to propose: no two straight sharp edges meet in sight, and "
+                    "nothing sticks out",
+                    arguments.target));
   }
   const std::string source = plain_name(fs::path(arguments.target).filename().string());
   BuiltTarget built{

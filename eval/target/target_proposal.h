@@ -14,7 +14,7 @@ namespace sightline {
 /// `propose_features`, the mesh as mesh.glb, and a picture of where they lie. Returns what to tell
 /// the user. Throws InputError when the mesh has nothing to propose, the folder holds a target.toml
 /// already (it may have been edited) or a file cannot be written.
-std::string propose_target(const std::shared_ptr<const Target>& target,
+TargetReport propose_target(const std::shared_ptr<const Target>& target,
                            const TargetArguments& arguments);
 
 }  // namespace sightline

@@ -181,7 +181,7 @@ std::string write_coarser(const Target& target, const TargetArguments& arguments
 
 }  // namespace
 
-std::string report_target(const TargetArguments& arguments) {
+TargetReport report_target(const TargetArguments& arguments) {
   for (const double angle : arguments.theta_deg) {
     if (!std::isfinite(angle)) throw InputError(fmt::format("--theta: {} is not finite", angle));
   }
@@ -195,13 +195,16 @@ std::string report_target(const TargetArguments& arguments) {
   out += "\n\n" + mesh_text(*target, mesh) + parts_text(mesh) + features_text(*target) +
          silhouettes_text(*target);
   if (!arguments.coarser.empty()) out += write_coarser(*target, arguments);
-  if (arguments.propose) return out + propose_target(target, arguments);
+  if (arguments.propose) {
+    const TargetReport proposal = propose_target(target, arguments);
+    return {out + proposal.text, proposal.proposed};
+  }
   if (!arguments.picture.empty()) {
     const Scene scene = picture_scene(target, arguments.theta_deg);
     write_picture(Renderer().render(scene, RandomStream(0, "picture", 0)).image, arguments.picture);
     out += fmt::format("\npicture    {}\n", arguments.picture);
   }
-  return out;
+  return {out, {}};
 }
 
 }  // namespace sightline

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,10 +25,18 @@ struct TargetArguments {
   std::string coarser;                 ///< to this .glb; none if empty
 };
 
+/// Of a target for studies: with fewer in sight a wrong one cannot be told.
+constexpr size_t kWantedFeatures = 6;
+
+struct TargetReport {
+  std::string text;
+  std::filesystem::path proposed;  ///< the target.toml of a proposal; empty without one
+};
+
 /// What `sightline target` prints; draws the picture and writes the proposal if they are asked for.
 /// Throws InputError for a target that cannot be read, has nothing to propose, or a file that
 /// cannot be written.
-std::string report_target(const TargetArguments& arguments);
+TargetReport report_target(const TargetArguments& arguments);
 
 /// A scene that fills a picture with a target through a long lens, at this attitude.
 Scene picture_scene(const std::shared_ptr<const Target>& target,

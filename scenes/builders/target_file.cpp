@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/files/toml_text.h"
 #include "scenes/mesh/mesh_io.h"
 
 namespace sightline {
@@ -40,7 +41,9 @@ std::string to_toml(const TargetFeature& feature, int decimals) {
     text += fmt::format("clearance_m = {}\n", feature.clearance_m);
   }
   if (!feature.parts.empty()) {
-    text += fmt::format("parts = [\"{}\"]\n", fmt::join(feature.parts, "\", \""));
+    std::vector<std::string> names;
+    for (const std::string& part : feature.parts) names.push_back(toml_text(part));
+    text += fmt::format("parts = [{}]\n", fmt::join(names, ", "));
   }
   if (std::isfinite(feature.reach_m)) text += fmt::format("reach_m = {}\n", feature.reach_m);
   if (feature.kind != FeatureKind::kLineIntersection) return text;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <span>
 #include <tuple>
 
 #include <Eigen/Geometry>
@@ -17,6 +19,29 @@ Eigen::Vector3d area_vector(const Mesh& mesh, const Triangle& triangle) {
   return (mesh.vertices[triangle.vertex[1]] - a).cross(mesh.vertices[triangle.vertex[2]] - a);
 }
 
+// The triangles around each vertex, in their order: one list in which each vertex has a stretch.
+class FacesAt {
+ public:
+  explicit FacesAt(const Mesh& mesh)
+      : begin_(mesh.vertices.size() + 2, 0), faces_(3 * mesh.triangles.size()) {
+    for (const Triangle& triangle : mesh.triangles) {
+      for (const int v : triangle.vertex) ++begin_[v + 2];
+    }
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    for (size_t i = 0; i < mesh.triangles.size(); ++i) {
+      for (const int v : mesh.triangles[i].vertex) faces_[begin_[v + 1]++] = static_cast<int>(i);
+    }
+  }
+
+  std::span<const int> vertex(int v) const {
+    return std::span(faces_).subspan(begin_[v], begin_[v + 1] - begin_[v]);
+  }
+
+ private:
+  std::vector<size_t> begin_;
+  std::vector<int> faces_;
+};
+
 }  // namespace
 
 Eigen::Vector3d face_normal(const Mesh& mesh, const Triangle& triangle) {
@@ -26,18 +51,28 @@ Eigen::Vector3d face_normal(const Mesh& mesh, const Triangle& triangle) {
 }
 
 void compute_corner_normals(Mesh& mesh, double crease_angle_rad) {
-  std::vector<Eigen::Vector3d> area(mesh.triangles.size());
-  std::vector<std::vector<int>> faces_at(mesh.vertices.size());
-  for (size_t i = 0; i < mesh.triangles.size(); ++i) {
-    area[i] = area_vector(mesh, mesh.triangles[i]);
-    for (const int v : mesh.triangles[i].vertex) faces_at[v].push_back(static_cast<int>(i));
+  for (Triangle& triangle : mesh.triangles) {
+    for (Eigen::Vector3d& normal : triangle.normal) normal.setZero();
   }
+  add_missing_normals(mesh, crease_angle_rad);
+}
+
+void add_missing_normals(Mesh& mesh, double crease_angle_rad) {
+  const auto lacks_normals = [](const Triangle& triangle) {
+    return std::ranges::any_of(triangle.normal, [](const auto& n) { return n.isZero(0); });
+  };
+  if (std::ranges::none_of(mesh.triangles, lacks_normals)) return;
+  std::vector<Eigen::Vector3d> area;
+  area.reserve(mesh.triangles.size());
+  for (const Triangle& triangle : mesh.triangles) area.push_back(area_vector(mesh, triangle));
+  const FacesAt faces_at(mesh);
   const double cos_crease = std::cos(crease_angle_rad);
   for (size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Eigen::Vector3d own = area[i].normalized();
     for (int corner = 0; corner < 3; ++corner) {
+      if (!mesh.triangles[i].normal[corner].isZero(0)) continue;
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-      for (const int face : faces_at[mesh.triangles[i].vertex[corner]]) {
+      for (const int face : faces_at.vertex(mesh.triangles[i].vertex[corner])) {
         if (area[face].dot(own) >= cos_crease * area[face].norm()) sum += area[face];
       }
       mesh.triangles[i].normal[corner] = sum.norm() > 0 ? sum.normalized() : own;
@@ -46,18 +81,28 @@ void compute_corner_normals(Mesh& mesh, double crease_angle_rad) {
 }
 
 std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh) {
-  std::vector<HalfEdge> halves;
-  halves.reserve(3 * mesh.triangles.size());
-  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
-    for (int i = 0; i < 3; ++i) {
-      const int from = mesh.triangles[t].vertex[i];
-      const int to = mesh.triangles[t].vertex[(i + 1) % 3];
-      halves.push_back({std::min(from, to), std::max(from, to), static_cast<int>(t), from < to});
+  // Sides that begin at the same low vertex are few: they get their places by counting, and are
+  // sorted among themselves.
+  const auto for_each_side = [&](const auto& visit) {
+    for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+      for (int i = 0; i < 3; ++i) {
+        const int from = mesh.triangles[t].vertex[i];
+        const int to = mesh.triangles[t].vertex[(i + 1) % 3];
+        visit(HalfEdge{std::min(from, to), std::max(from, to), static_cast<int>(t), from < to});
+      }
     }
+  };
+  std::vector<size_t> begin(mesh.vertices.size() + 2, 0);
+  for_each_side([&](const HalfEdge& half) { ++begin[half.low + 2]; });
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<HalfEdge> halves(3 * mesh.triangles.size());
+  for_each_side([&](const HalfEdge& half) { halves[begin[half.low + 1]++] = half; });
+  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+    const auto place = [&](size_t i) { return halves.begin() + static_cast<std::ptrdiff_t>(i); };
+    std::sort(place(begin[v]), place(begin[v + 1]), [](const HalfEdge& a, const HalfEdge& b) {
+      return std::tie(a.high, a.triangle) < std::tie(b.high, b.triangle);
+    });
   }
-  std::sort(halves.begin(), halves.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-  });
   return halves;
 }
 

@@ -47,6 +47,9 @@ struct Mesh {
 /// vertex which turn by less than `crease_angle_rad` against the corner's own face.
 void compute_corner_normals(Mesh& mesh, double crease_angle_rad);
 
+/// The same for those corners alone whose normal is zero.
+void add_missing_normals(Mesh& mesh, double crease_angle_rad);
+
 /// A side of a triangle.
 struct HalfEdge {
   int low, high;  ///< its vertices

@@ -1,7 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <fstream>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -20,6 +19,7 @@
 #include "scenes/mesh/mesh_soup.h"
 #include "scenes/mesh/mesh_text.h"
 #include "scenes/mesh/obj_text.h"
+#include "scenes/mesh/ply_text.h"
 #include "scenes/mesh/textures.h"
 
 namespace sightline {
@@ -176,6 +176,7 @@ void add_mesh(const Reading& reading, const aiMesh& mesh, const aiNode& node,
   std::string name = use_node ? node_name : mesh_name;
   if (name.empty()) name = fmt::format("part_{}", soup.parts.size());
   soup.parts.push_back(part_of(reading, mesh, std::move(name)));
+  const SoupTransform transform(file_from_node);
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     const aiFace& face = mesh.mFaces[i];
     if (face.mNumIndices != 3) continue;  // points and lines
@@ -188,7 +189,7 @@ void add_mesh(const Reading& reading, const aiMesh& mesh, const aiNode& node,
           mesh.HasNormals() ? to_eigen(mesh.mNormals[index]) : Eigen::Vector3d::Zero();
       set_coat(mesh, index, corner, triangle.coat);
     }
-    add_transformed(soup, triangle, file_from_node);
+    transform.add(soup, triangle);
   }
 }
 
@@ -202,25 +203,37 @@ void add_node(const Reading& reading, const aiNode& node, const Eigen::Matrix4d&
   }
 }
 
-std::string whole_text(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+// The file's text moved near its origin, where it lies far off.
+struct MovedText {
+  std::string text;
+  Eigen::Vector3d by = Eigen::Vector3d::Zero();
+};
+
+std::optional<MovedText> moved_near(const std::string& extension, const std::string& text) {
+  if (extension == ".obj") {
+    if (const auto middle = far_middle(text)) return MovedText{moved_obj(text, *middle), *middle};
+  } else if (extension == ".ply") {
+    const auto points = double_points(text);
+    if (!points) return std::nullopt;
+    const auto middle = far_middle(*points, text);
+    if (middle) return MovedText{moved_ply(text, *points, *middle), *middle};
+  }
+  return std::nullopt;
 }
 
-// Gives Assimp what it can read of a file that it cannot read as it is: a georeferenced .obj moved
-// near its origin, a tidy .stl. Returns how what is read goes back.
+// Gives Assimp what it can read of a file that it cannot read as it is: a georeferenced .obj or
+// .ply moved near its origin, a tidy .stl. Returns how what is read goes back.
 Eigen::Matrix4d prepare(const std::filesystem::path& file, FolderOnly& files) {
   Eigen::Matrix4d file_from_read = Eigen::Matrix4d::Identity();
   const std::string extension = lower_extension(file);
   if (extension == ".stl") {
-    std::string tidy = tidy_stl(whole_text(file));
+    std::string tidy = tidy_stl(whole_file(file).value_or(""));
     if (!tidy.empty()) files.give(file, std::move(tidy));
   }
-  if (extension != ".obj") return file_from_read;
-  const std::string text = whole_text(file);
-  if (const auto middle = far_middle(text)) {
-    files.give(file, moved_obj(text, *middle));
-    file_from_read.topRightCorner<3, 1>() = *middle;
+  if (extension != ".obj" && extension != ".ply") return file_from_read;
+  if (auto moved = moved_near(extension, whole_file(file).value_or(""))) {
+    files.give(file, std::move(moved->text));
+    file_from_read.topRightCorner<3, 1>() = moved->by;
   }
   return file_from_read;
 }
@@ -228,7 +241,7 @@ Eigen::Matrix4d prepare(const std::filesystem::path& file, FolderOnly& files) {
 // Metres in a unit of the file, as far as its format says.
 double stated_unit_m(const aiScene& scene, const std::filesystem::path& file) {
   const std::string extension = lower_extension(file);
-  if (extension == ".dae") return collada_unit_m(whole_text(file));
+  if (extension == ".dae") return collada_unit_m(whole_file(file).value_or(""));
   if (extension == ".fbx") {  // in centimetres; a number of either kind, by the file's version
     double centimetres = 1;
     float single = 1;
@@ -237,7 +250,9 @@ double stated_unit_m(const aiScene& scene, const std::filesystem::path& file) {
     if (!scene.mMetaData->Get("UnitScaleFactor", single)) return 0.01;
     return 0.01 * std::stod(fmt::format("{}", single));  // 2.54, not what a float makes of it
   }
-  return extension == ".3mf" ? threemf_unit_m(beginning_in_zip(whole_text(file), ".model")) : 1;
+  return extension == ".3mf"
+             ? threemf_unit_m(beginning_in_zip(whole_file(file).value_or(""), ".model"))
+             : 1;
 }
 
 size_t undrawn_faces(const aiScene& scene) {

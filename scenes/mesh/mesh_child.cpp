@@ -9,6 +9,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <malloc.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -28,7 +29,6 @@ using Reader = std::function<MeshSoup(const std::filesystem::path&)>;
 constexpr char kSoup = 'S';
 constexpr char kInputError = 'I';
 constexpr char kNoMemory = 'M';
-constexpr size_t kMaxMessageBytes = size_t{1} << 30;
 constexpr size_t kMaxErrorBytes = 2000;
 constexpr int kPipeBytes = 1 << 20;
 
@@ -58,18 +58,24 @@ void confine(const ReaderLimits& limits) {
   limit(RLIMIT_AS, mapped_bytes() + limits.memory_bytes);
 }
 
-std::string message_of(const std::filesystem::path& file, const Reader& reader) {
+// Reads, and writes one message. What crosses is written as it is encoded: a large mesh is in
+// memory once, not twice.
+void send_message(int pipe, const std::filesystem::path& file, const Reader& reader) {
+  const auto fails = [&](char kind, const std::string& text) { write_all(pipe, kind + text); };
   try {
-    return kSoup + encode(reader(file));
+    const MeshSoup soup = reader(file);
+    malloc_trim(0);  // what the reader's library had, the listener needs now
+    write_all(pipe, {&kSoup, 1});
+    encode(soup, [pipe](std::string_view piece) { write_all(pipe, piece); });
   } catch (const InputError& error) {
-    return kInputError + std::string(error.what());
+    fails(kInputError, error.what());
   } catch (const std::bad_alloc&) {
-    return {kNoMemory};
+    fails(kNoMemory, "");
   } catch (const std::length_error&) {  // a count no vector can have
-    return {kNoMemory};
+    fails(kNoMemory, "");
   } catch (const std::exception& error) {
-    return kInputError +
-           fmt::format("{}: cannot be read as a mesh: {}", file.string(), error.what());
+    fails(kInputError,
+          fmt::format("{}: cannot be read as a mesh: {}", file.string(), error.what()));
   }
 }
 
@@ -83,37 +89,69 @@ int read_in_confinement(int pipe, const std::filesystem::path& file, const Reade
   for (const int standard : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, standard);
   close_range(kPipe + 1, ~0U, 0);
   confine(limits);
-  write_all(kPipe, message_of(file, reader));
+  send_message(kPipe, file, reader);
   return 0;
 }
 
-struct Outcome {
-  std::string message;
-  ProcessEnd end;
-  bool is_late = false;     // we ended it
-  bool is_endless = false;  // it said more than any mesh
+// The child's pipe, until it closes it or its time is over.
+class Listener {
+ public:
+  Listener(int pipe, const ReaderLimits& limits)
+      : pipe_(pipe), deadline_(Clock::now() + std::chrono::seconds(limits.wall_s)) {}
+
+  size_t next(char* to, size_t most) {
+    while (true) {
+      const auto left =
+          std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ - Clock::now()).count();
+      is_late_ = left <= 0;
+      if (is_late_) return 0;
+      pollfd waiting{.fd = pipe_, .events = POLLIN, .revents = 0};
+      if (poll(&waiting, 1, static_cast<int>(left)) <= 0) continue;
+      const ssize_t size = read(pipe_, to, most);
+      if (size < 0 && errno == EINTR) continue;
+      return size <= 0 ? 0 : static_cast<size_t>(size);
+    }
+  }
+
+  bool is_late() const { return is_late_; }
+
+ private:
+  int pipe_;
+  Clock::time_point deadline_;
+  bool is_late_ = false;
 };
 
-// Reads until the child closes its pipe or its time is over, then ends and reaps it.
-Outcome listen(const ChildProcess& child, const ReaderLimits& limits) {
+struct Outcome {
+  char kind = 0;      // of the message; 0: there was none
+  std::string error;  // the child's words, or what is wrong with its soup
+  MeshSoup soup;
+  ProcessEnd end;
+  bool is_late = false;  // we ended it
+};
+
+// Takes the child's message, then ends and reaps it.
+Outcome listen(const ChildProcess& child, const std::filesystem::path& file,
+               const ReaderLimits& limits) {
   Outcome outcome;
-  const auto deadline = Clock::now() + std::chrono::seconds(limits.wall_s);
-  std::vector<char> buffer(size_t{1} << 18);
-  while (true) {
-    const auto left =
-        std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
-    outcome.is_late = left <= 0;
-    outcome.is_endless = outcome.message.size() > kMaxMessageBytes;
-    if (outcome.is_late || outcome.is_endless) break;
-    pollfd waiting{.fd = child.pipe, .events = POLLIN, .revents = 0};
-    if (poll(&waiting, 1, static_cast<int>(left)) <= 0) continue;
-    const ssize_t size = read(child.pipe, buffer.data(), buffer.size());
-    if (size < 0 && errno == EINTR) continue;
-    if (size <= 0) break;
-    outcome.message.append(buffer.data(), static_cast<size_t>(size));
+  Listener listener(child.pipe, limits);
+  const ByteSource source = [&](char* to, size_t most) { return listener.next(to, most); };
+  if (source(&outcome.kind, 1) == 1 && outcome.kind == kSoup) {
+    try {
+      outcome.soup = decode(source, file);
+    } catch (const InputError& error) {
+      outcome.error = error.what();
+    }
+  } else if (outcome.kind == kInputError) {
+    outcome.error.resize(kMaxErrorBytes);
+    size_t size = 0;
+    while (const size_t more = source(outcome.error.data() + size, kMaxErrorBytes - size)) {
+      size += more;
+    }
+    outcome.error.resize(size);
   }
   close(child.pipe);
-  if (outcome.is_late || outcome.is_endless) kill(child.process, SIGKILL);
+  outcome.is_late = listener.is_late();
+  if (outcome.is_late) kill(child.process, SIGKILL);
   outcome.end = wait_for(child.process);
   return outcome;
 }
@@ -125,14 +163,14 @@ std::string why_unusable(const Outcome& outcome, const ReaderLimits& limits) {
     return fmt::format("broken, or too large: reading it takes more than {} s",
                        outcome.is_late ? limits.wall_s : limits.cpu_s);
   }
-  if (outcome.is_endless) return "its reader does not end";
+  if (signal == SIGPIPE) return "";  // we had heard enough
   if (signal == SIGKILL) return "its reader was killed, perhaps for want of memory";
   if (signal != 0) {
     return fmt::format("broken: its reader crashed on it ({})", strsignal(signal));
   }
   if (outcome.end.exit_code != 0) return "broken: its reader crashed on it";
-  if (outcome.message.empty()) return "its reader ended without a word";
-  if (outcome.message[0] == kNoMemory) {
+  if (outcome.kind == 0) return "its reader ended without a word";
+  if (outcome.kind == kNoMemory) {
     return fmt::format("broken, or too large: reading it takes more than {} MiB",
                        limits.memory_bytes >> 20);
   }
@@ -164,11 +202,11 @@ MeshSoup read_in_child(const std::filesystem::path& file, const Reader& reader,
   const ChildProcess child =
       fork_child([&](int pipe) { return read_in_confinement(pipe, file, reader, limits); });
   fcntl(child.pipe, F_SETPIPE_SZ, kPipeBytes);  // a wish: fewer switches between the two
-  const Outcome outcome = listen(child, limits);
+  Outcome outcome = listen(child, file, limits);
   const std::string problem = why_unusable(outcome, limits);
   if (!problem.empty()) throw InputError(fmt::format("{}: {}", file.string(), problem));
-  if (outcome.message[0] != kSoup) throw InputError(one_line(outcome.message.substr(1)));
-  return decode(std::string_view(outcome.message).substr(1), file);
+  if (!outcome.error.empty()) throw InputError(one_line(outcome.error));
+  return std::move(outcome.soup);
 }
 
 }  // namespace sightline

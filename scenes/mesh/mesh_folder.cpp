@@ -3,6 +3,7 @@
 #include "scenes/mesh/mesh_folder.h"
 
 #include <algorithm>
+#include <fstream>
 #include <system_error>
 
 namespace sightline {
@@ -20,6 +21,17 @@ bool is_inside(const fs::path& folder, const fs::path& path) {
   if (error) return false;
   const auto [rest, unused] = std::mismatch(within.begin(), within.end(), real.begin(), real.end());
   return rest == within.end();
+}
+
+std::optional<std::string> whole_file(const std::filesystem::path& file) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  std::ifstream stream(file, std::ios::binary);
+  if (error || !stream) return std::nullopt;
+  std::string bytes(size, '\0');
+  stream.read(bytes.data(), static_cast<std::streamsize>(size));
+  if (static_cast<std::uintmax_t>(stream.gcount()) != size) return std::nullopt;
+  return bytes;
 }
 
 MeshFolder::MeshFolder(const fs::path& mesh_file)

@@ -12,6 +12,9 @@ namespace sightline {
 /// True when the path, links followed, lies in the folder or below it.
 bool is_inside(const std::filesystem::path& folder, const std::filesystem::path& path);
 
+/// The bytes of a regular file; none where it cannot be read.
+std::optional<std::string> whole_file(const std::filesystem::path& file);
+
 /// Where the files that a mesh names may lie: in the folder of its path or below it and, where that
 /// path is a symbolic link, in the folder that it leads to. A link that lies there itself may lead
 /// anywhere, to one regular file, as caches of models and data lay them. Paths that leave the

@@ -143,6 +143,10 @@ class Reader {
     const CoatAccessors coats = coats_of(primitive);
     soup_.parts.push_back(
         {part_name(primitive, node), albedo_of(primitive), material_of(primitive, coats)});
+    std::vector<SoupTransform> transforms;
+    for (const Eigen::Matrix4d& copy : copies) {
+      transforms.emplace_back(shape.is_skinned() ? copy : Eigen::Matrix4d(file_from_node * copy));
+    }
     for (size_t i = 0; i < triangle_count; ++i) {
       SoupTriangle triangle;
       triangle.part = static_cast<int>(soup_.parts.size()) - 1;
@@ -154,10 +158,7 @@ class Reader {
         triangle.normal[c] = shape.normal(vertex);
         coats.read(vertex, c, triangle.coat);
       }
-      for (const Eigen::Matrix4d& copy : copies) {
-        add_transformed(soup_, triangle,
-                        shape.is_skinned() ? copy : Eigen::Matrix4d(file_from_node * copy));
-      }
+      for (const SoupTransform& transform : transforms) transform.add(soup_, triangle);
     }
   }
 
@@ -265,13 +266,6 @@ class Reader {
 };
 
 constexpr std::string_view kBinaryMagic = "glTF";
-
-std::string read_whole(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(stream)), {});
-  if (!stream) fail_gltf(file, "it cannot be opened");
-  return bytes;
-}
 
 // Throws unless the chunks of a .glb lie within it: tinygltf believes their lengths.
 void require_whole_glb(std::string_view bytes, const std::filesystem::path& file) {
@@ -402,7 +396,9 @@ MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& fi
 }
 
 MeshSoup read_gltf(const std::filesystem::path& file) {
-  return read_gltf_bytes(read_whole(file), file);
+  const auto bytes = whole_file(file);
+  if (!bytes) fail_gltf(file, "it cannot be opened");
+  return read_gltf_bytes(*bytes, file);
 }
 
 }  // namespace sightline

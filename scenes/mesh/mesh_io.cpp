@@ -4,14 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <map>
 #include <numbers>
-#include <set>
-#include <unordered_map>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -19,6 +18,7 @@
 #include "scenes/files/input_error.h"
 #include "scenes/mesh/mesh_soup.h"
 #include "scenes/mesh/mesh_text.h"
+#include "scenes/mesh/point_table.h"
 
 namespace sightline {
 namespace {
@@ -58,58 +58,9 @@ Eigen::Matrix3d target_from_file_rotation(const MeshFrame& frame,
   return rotation;
 }
 
-// Gives points closer than the tolerance one index, by a grid of cells of the tolerance's size.
-class Welder {
- public:
-  explicit Welder(double tolerance_m) : cell_m_(tolerance_m) {}
-
-  int index_of(const Eigen::Vector3d& point) {
-    const Cell home = cell_of(point);
-    for (int64_t dx = -1; dx <= 1; ++dx) {
-      for (int64_t dy = -1; dy <= 1; ++dy) {
-        for (int64_t dz = -1; dz <= 1; ++dz) {
-          const Cell cell = {home[0] + dx, home[1] + dy, home[2] + dz};
-          const auto [begin, end] = vertices_in_.equal_range(cell);
-          for (auto at = begin; at != end; ++at) {
-            if ((vertices[at->second] - point).norm() <= cell_m_) return at->second;
-          }
-        }
-      }
-    }
-    vertices.push_back(point);
-    const int index = static_cast<int>(vertices.size()) - 1;
-    vertices_in_.emplace(home, index);
-    return index;
-  }
-
-  std::vector<Eigen::Vector3d> vertices;
-
- private:
-  using Cell = std::array<int64_t, 3>;
-  struct CellHash {
-    size_t operator()(const Cell& c) const {
-      uint64_t hash = 0xcbf29ce484222325ULL;
-      for (const int64_t x : c) hash = (hash ^ static_cast<uint64_t>(x)) * 0x9e3779b97f4a7c15ULL;
-      return hash ^ (hash >> 29);
-    }
-  };
-
-  Cell cell_of(const Eigen::Vector3d& p) const {
-    return {static_cast<int64_t>(std::floor(p.x() / cell_m_)),
-            static_cast<int64_t>(std::floor(p.y() / cell_m_)),
-            static_cast<int64_t>(std::floor(p.z() / cell_m_))};
-  }
-
-  double cell_m_;
-  // A cell's diagonal is longer than the tolerance: it may hold several vertices.
-  std::unordered_multimap<Cell, int, CellHash> vertices_in_;
-};
-
 double size_of(const MeshSoup& soup) {
   Eigen::AlignedBox3d box;
-  for (const SoupTriangle& triangle : soup.triangles) {
-    for (const Eigen::Vector3d& corner : triangle.corner) box.extend(corner);
-  }
+  for (const Eigen::Vector3d& point : soup.points) box.extend(point);
   return box.diagonal().norm();
 }
 
@@ -125,58 +76,92 @@ bool is_degenerate(const Mesh& mesh, const std::array<int, 3>& v, double toleran
 
 // Keeps the normals that the file has, on the side where the triangle is counter-clockwise: there a
 // soup's normals and windings may disagree, and both sides are drawn.
-void fill_missing_normals(Mesh& mesh) {
-  const std::vector<Triangle> from_file = mesh.triangles;
-  compute_corner_normals(mesh, kDefaultCreaseAngleRad);
-  for (size_t i = 0; i < from_file.size(); ++i) {
-    for (int corner = 0; corner < 3; ++corner) {
-      const Eigen::Vector3d& normal = from_file[i].normal[corner];
-      if (normal.isZero()) continue;
-      const bool is_inside_out = normal.dot(face_normal(mesh, from_file[i])) < 0;
-      mesh.triangles[i].normal[corner] = is_inside_out ? Eigen::Vector3d(-normal) : normal;
+void turn_normals_outward(Mesh& mesh) {
+  for (Triangle& triangle : mesh.triangles) {
+    const Eigen::Vector3d outward = face_normal(mesh, triangle);
+    for (Eigen::Vector3d& normal : triangle.normal) {
+      if (normal.dot(outward) < 0) normal = -normal;
     }
   }
 }
 
-LoadedMesh weld(const MeshSoup& soup) {
+// The triangles that have been kept, each once, whichever corner it begins with. (An open table of
+// their numbers, as PointTable has.)
+class KeptTriangles {
+ public:
+  explicit KeptTriangles(size_t most) : slots_(std::bit_ceil(2 * most + 1), 0) {}
+
+  // False when the last of the list has the corners of one that was added before.
+  bool add_last(const std::vector<Triangle>& triangles) {
+    const std::array<int, 3> corners = sorted(triangles.back());
+    uint64_t hash = 0;
+    for (const int corner : corners) {
+      hash = (hash ^ static_cast<uint64_t>(corner)) * 0x9e3779b97f4a7c15ULL;
+      hash ^= hash >> 32;
+    }
+    const size_t mask = slots_.size() - 1;
+    size_t at = hash & mask;
+    while (slots_[at] != 0) {
+      if (sorted(triangles[slots_[at] - 1]) == corners) return false;
+      at = (at + 1) & mask;
+    }
+    slots_[at] = static_cast<int>(triangles.size());
+    return true;
+  }
+
+ private:
+  static std::array<int, 3> sorted(const Triangle& triangle) {
+    std::array<int, 3> corners = triangle.vertex;
+    std::sort(corners.begin(), corners.end());
+    return corners;
+  }
+
+  std::vector<int> slots_;
+};
+
+// The shape of a soup, without what is no triangle.
+LoadedMesh weld(MeshSoup& soup) {
   LoadedMesh loaded;
   Mesh& mesh = loaded.mesh;
-  mesh.parts = soup.parts;
+  CleaningSummary& cleaning = loaded.cleaning;
+  mesh.parts = std::move(soup.parts);
   const double tolerance_m = kWeldFraction * size_of(soup);
   Welder welder(tolerance_m);
-  std::vector<std::array<int, 3>> corners;
-  for (const SoupTriangle& triangle : soup.triangles) {
-    corners.push_back({welder.index_of(triangle.corner[0]), welder.index_of(triangle.corner[1]),
-                       welder.index_of(triangle.corner[2])});
-  }
+  std::vector<int> vertex_of;
+  vertex_of.reserve(soup.points.size());
+  for (const Eigen::Vector3d& point : soup.points) vertex_of.push_back(welder.index_of(point));
+  soup.points = {};  // a large mesh has no memory to spare
   mesh.vertices = std::move(welder.vertices);
-  loaded.cleaning.welded_vertices =
-      static_cast<int>(3 * soup.triangles.size() - mesh.vertices.size());
+  cleaning.welded_vertices = static_cast<int>(3 * soup.triangles.size() - mesh.vertices.size());
 
-  std::set<std::array<int, 3>> seen;
-  for (size_t i = 0; i < corners.size(); ++i) {
-    if (is_degenerate(mesh, corners[i], tolerance_m)) {
-      ++loaded.cleaning.degenerate_triangles;
+  KeptTriangles kept(soup.triangles.size());
+  mesh.triangles.reserve(soup.triangles.size());
+  for (size_t i = 0; i < soup.triangles.size(); ++i) {
+    const SoupFace& face = soup.triangles[i];
+    const auto& [a, b, c] = face.point;
+    const std::array<int, 3> corners = {vertex_of[a], vertex_of[b], vertex_of[c]};
+    if (is_degenerate(mesh, corners, tolerance_m)) {
+      ++cleaning.degenerate_triangles;
       continue;
     }
-    std::array<int, 3> sorted = corners[i];
-    std::sort(sorted.begin(), sorted.end());
-    if (!seen.insert(sorted).second) {
-      ++loaded.cleaning.duplicate_triangles;
+    mesh.triangles.push_back(
+        {corners, face.part, i < soup.normals.size() ? soup.normals[i] : no_normals()});
+    if (!kept.add_last(mesh.triangles)) {
+      ++cleaning.duplicate_triangles;
+      mesh.triangles.pop_back();
       continue;
     }
-    const SoupTriangle& source = soup.triangles[i];
-    mesh.triangles.push_back({corners[i], source.part, source.normal});
-    if (soup.has_coats) mesh.coats.push_back(source.coat);
+    if (soup.has_coats) mesh.coats.push_back(i < soup.coats.size() ? soup.coats[i] : Coat{});
   }
-  fill_missing_normals(mesh);
+  turn_normals_outward(mesh);
+  add_missing_normals(mesh, kDefaultCreaseAngleRad);
   return loaded;
 }
 
 void transform(MeshSoup& soup, const Eigen::Matrix3d& rotation, double unit_m) {
-  for (SoupTriangle& triangle : soup.triangles) {
-    for (Eigen::Vector3d& corner : triangle.corner) corner = unit_m * (rotation * corner);
-    for (Eigen::Vector3d& normal : triangle.normal) normal = rotation * normal;
+  for (Eigen::Vector3d& point : soup.points) point = unit_m * (rotation * point);
+  for (auto& corners : soup.normals) {
+    for (Eigen::Vector3d& normal : corners) normal = rotation * normal;
   }
 }
 
@@ -187,10 +172,8 @@ void require_size(const MeshSoup& soup, const std::filesystem::path& file) {
     throw InputError(fmt::format("{}: holds no triangles", file.string()));
   }
   double largest = 0;
-  for (const SoupTriangle& triangle : soup.triangles) {
-    for (const Eigen::Vector3d& corner : triangle.corner) {
-      largest = std::max(largest, corner.cwiseAbs().maxCoeff());
-    }
+  for (const Eigen::Vector3d& point : soup.points) {
+    largest = std::max(largest, point.cwiseAbs().maxCoeff());
   }
   const double size = size_of(soup);
   if (!(size > kSmallestSizeFraction * largest)) {

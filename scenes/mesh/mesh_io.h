@@ -43,7 +43,7 @@ struct LoadedMesh {
 /// counter-clockwise; where it has none they are computed with a crease angle of 45 degrees. Each
 /// mesh (in glTF, each primitive) of each node is a part; its albedo is the luminance of the
 /// material's base or diffuse colour. Throws InputError for a missing, unreadable, empty, too large
-/// (1 GiB, 2 000 000 triangles, 65 535 parts) or non-finite mesh, one that its reader crashes on,
+/// (1 GiB, 12 000 000 triangles, 65 535 parts) or non-finite mesh, one that its reader crashes on,
 /// and a wrong MeshFrame.
 LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame = {});
 

@@ -17,10 +17,10 @@
 namespace sightline {
 namespace {
 
-constexpr std::string_view kMagic = "SLSOUP1\n";
+constexpr std::string_view kMagic = "SLSOUP2\n";
 constexpr size_t kMaxNameBytes = 256;
-constexpr size_t kNumbersPerTriangle = 18;
-constexpr size_t kBytesPerTriangle = kNumbersPerTriangle * sizeof(double) + sizeof(uint32_t);
+constexpr size_t kPieceBytes = size_t{1} << 18;  // what is handed on at once
+constexpr size_t kBlockElements = 4096;          // what is taken into memory at once
 constexpr double kLongestNormal = 1 + 1e-6;
 // What follows the triangles of a mesh that has more than shape and grey.
 constexpr std::string_view kSurfaceMagic = "SURFACE1";
@@ -84,7 +84,46 @@ bool has_surface(const MeshSoup& soup) {
                      [](const Part& part) { return part.material.has_value(); });
 }
 
-void append_surface(std::string& bytes, const MeshSoup& soup) {
+void append(std::string& bytes, const Coat& coat) {
+  for (const Eigen::Vector2f& uv : coat.uv) append(bytes, std::array{uv.x(), uv.y()});
+  for (const Eigen::Vector4f& c : coat.colour) append(bytes, std::array{c[0], c[1], c[2], c[3]});
+}
+
+void append_part(std::string& bytes, const Part& part) {
+  const std::string name = part.name.substr(0, kMaxNameBytes);
+  append(bytes, static_cast<uint32_t>(name.size()));
+  bytes += name;
+  append(bytes, part.albedo);
+}
+
+// Triangles and points cross as they lie in memory: the other process is this very program.
+
+template <typename T>
+std::string_view bytes_of(const std::vector<T>& elements) {
+  return {reinterpret_cast<const char*>(elements.data()), elements.size() * sizeof(T)};
+}
+
+// Hands on what has been gathered in pieces.
+class Pieces {
+ public:
+  explicit Pieces(const std::function<void(std::string_view)>& write) : write_(write) {}
+
+  std::string& gathered() { return gathered_; }
+  void pass_when_full() {
+    if (gathered_.size() >= kPieceBytes) pass();
+  }
+  void pass() {
+    write_(gathered_);
+    gathered_.clear();
+  }
+
+ private:
+  const std::function<void(std::string_view)>& write_;
+  std::string gathered_;
+};
+
+void append_surface(Pieces& pieces, const MeshSoup& soup) {
+  std::string& bytes = pieces.gathered();
   bytes += kSurfaceMagic;
   append(bytes, static_cast<uint32_t>(soup.textures.size()));
   append(bytes, static_cast<uint32_t>(soup.lost_textures.size()));
@@ -97,6 +136,7 @@ void append_surface(std::string& bytes, const MeshSoup& soup) {
     append(bytes, static_cast<int32_t>(texture.width));
     append(bytes, static_cast<int32_t>(texture.height));
     bytes.append(reinterpret_cast<const char*>(texture.rgba.data()), texture.rgba.size());
+    pieces.pass_when_full();
   }
   for (const std::string& sentence : soup.lost_textures) append_text(bytes, sentence);
   for (const std::string& note : soup.notes) append_text(bytes, note);
@@ -105,37 +145,35 @@ void append_surface(std::string& bytes, const MeshSoup& soup) {
     if (part.material) append(bytes, *part.material);
   }
   if (!soup.has_coats) return;
-  for (const SoupTriangle& triangle : soup.triangles) {
-    for (const Eigen::Vector2f& uv : triangle.coat.uv) append(bytes, std::array{uv.x(), uv.y()});
-    for (const Eigen::Vector4f& c : triangle.coat.colour) {
-      append(bytes, std::array{c[0], c[1], c[2], c[3]});
-    }
+  for (size_t i = 0; i < soup.triangles.size(); ++i) {
+    append(bytes, i < soup.coats.size() ? soup.coats[i] : Coat{});
+    pieces.pass_when_full();
   }
-}
-
-// What the surface takes in bytes, about: textures are copied once.
-size_t surface_bytes(const MeshSoup& soup) {
-  size_t bytes = 512 * soup.parts.size() + 4096;
-  for (const Texture& texture : soup.textures) bytes += texture.rgba.size() + kMaxSentenceBytes;
-  return bytes + (soup.has_coats ? sizeof(Coat) * soup.triangles.size() : 0);
 }
 
 class Decoder {
  public:
-  Decoder(std::string_view bytes, const std::filesystem::path& file) : bytes_(bytes), file_(file) {}
+  Decoder(const ByteSource& source, const std::filesystem::path& file)
+      : source_(source), file_(file) {}
 
   MeshSoup decode() {
-    if (take(kMagic.size()) != kMagic) fail("its reader sent no mesh");
+    if (text_of(kMagic.size()) != kMagic) fail("its reader sent no mesh");
     const auto parts = number<uint64_t>();
     const auto triangles = number<uint64_t>();
-    if (parts > kMaxParts || triangles > kMaxTriangles) fail("its reader sent too large a mesh");
+    const auto points = number<uint64_t>();
+    const auto normals = number<uint64_t>();
+    const bool is_too_large = parts > kMaxParts || triangles > kMaxTriangles ||
+                              points > 3 * kMaxTriangles || normals > triangles;
+    if (is_too_large) fail("its reader sent too large a mesh");
     MeshSoup soup;
     for (uint64_t i = 0; i < parts; ++i) soup.parts.push_back(part());
-    if (bytes_.size() < triangles * kBytesPerTriangle) fail("its reader sent a torn mesh");
-    soup.triangles.reserve(triangles);
-    for (uint64_t i = 0; i < triangles; ++i) soup.triangles.push_back(triangle(parts));
-    if (bytes_.starts_with(kSurfaceMagic)) read_surface(soup);
-    if (!bytes_.empty()) fail("its reader sent a torn mesh");
+    read_all(points, soup.points, [this](const Eigen::Vector3d& x) { check_point(x); });
+    read_all(triangles, soup.triangles, [&](const SoupFace& face) {
+      check_face(face, static_cast<int>(points), static_cast<int>(parts));
+    });
+    read_all(normals, soup.normals, [this](const auto& corners) { check_normals(corners); });
+    if (has_more()) read_surface(soup);
+    if (has_more()) fail("its reader sent a torn mesh");
     return soup;
   }
 
@@ -144,25 +182,56 @@ class Decoder {
     throw InputError(fmt::format("{}: {}", file_.string(), reason));
   }
 
-  std::string_view take(size_t count) {
-    if (count > bytes_.size()) fail("its reader sent a torn mesh");
-    const std::string_view taken = bytes_.substr(0, count);
-    bytes_.remove_prefix(count);
-    return taken;
+  // Takes the next bytes, whether they have been fetched already or not.
+  void take(char* to, size_t count) {
+    while (count > 0) {
+      if (!has_more()) fail("its reader sent a torn mesh");
+      const size_t size = std::min(count, fetched_.size() - at_);
+      std::memcpy(to, fetched_.data() + at_, size);
+      at_ += size;
+      to += size;
+      count -= size;
+    }
+  }
+
+  bool has_more() {
+    if (at_ < fetched_.size()) return true;
+    fetched_.resize(kPieceBytes);
+    fetched_.resize(source_(fetched_.data(), fetched_.size()));
+    at_ = 0;
+    return !fetched_.empty();
+  }
+
+  std::string text_of(size_t count) {
+    std::string text(count, '\0');
+    take(text.data(), count);
+    return text;
   }
 
   template <typename T>
   T number() {
     T value;
-    std::memcpy(&value, take(sizeof value).data(), sizeof value);
+    take(reinterpret_cast<char*>(&value), sizeof value);
     return value;
+  }
+
+  // A count may lie: memory is filled as elements come.
+  template <typename T, typename Check>
+  void read_all(uint64_t count, std::vector<T>& elements, const Check& check) {
+    elements.reserve(count);
+    while (elements.size() < count) {
+      const size_t begin = elements.size();
+      elements.resize(std::min<size_t>(count, begin + kBlockElements));
+      take(reinterpret_cast<char*>(elements.data() + begin), (elements.size() - begin) * sizeof(T));
+      for (size_t i = begin; i < elements.size(); ++i) check(elements[i]);
+    }
   }
 
   Part part() {
     const auto length = number<uint32_t>();
     if (length > kMaxNameBytes) fail("its reader sent a part with too long a name");
     Part out;
-    out.name = printable(std::string(take(length)), kMaxNameBytes);
+    out.name = printable(text_of(length), kMaxNameBytes);
     out.albedo = number<double>();
     if (!(out.albedo >= 0 && out.albedo <= 1)) {
       fail(fmt::format("part \"{}\" has albedo {}, must be from 0 to 1", out.name, out.albedo));
@@ -170,29 +239,29 @@ class Decoder {
     return out;
   }
 
-  SoupTriangle triangle(uint64_t parts) {
-    SoupTriangle out;
-    for (Eigen::Vector3d& corner : out.corner) {
-      corner = vector();
-      if (!corner.allFinite()) fail("a vertex is not a finite number");
-      const double largest = corner.cwiseAbs().maxCoeff();
-      if (largest > kLargestCoordinate) {
-        fail(fmt::format("a coordinate is {:.3g}, must be at most {:.0e}", largest,
-                         kLargestCoordinate));
-      }
+  void check_point(const Eigen::Vector3d& point) const {
+    if (!point.allFinite()) fail("a vertex is not a finite number");
+    const double largest = point.cwiseAbs().maxCoeff();
+    if (largest <= kLargestCoordinate) return;
+    fail(
+        fmt::format("a coordinate is {:.3g}, must be at most {:.0e}", largest, kLargestCoordinate));
+  }
+
+  void check_face(const SoupFace& face, int points, int parts) const {
+    for (const int point : face.point) {
+      if (point < 0 || point >= points) fail("a triangle has a corner that is nowhere");
     }
-    for (Eigen::Vector3d& normal : out.normal) {
-      normal = vector();
+    if (face.part < 0 || face.part >= parts) fail("a triangle belongs to no part");
+  }
+
+  void check_normals(const std::array<Eigen::Vector3d, 3>& corners) const {
+    for (const Eigen::Vector3d& normal : corners) {
       if (!(normal.norm() <= kLongestNormal)) fail("a normal is no unit vector");
     }
-    const auto part = number<uint32_t>();
-    if (part >= parts) fail("a triangle belongs to no part");
-    out.part = static_cast<int>(part);
-    return out;
   }
 
   void read_surface(MeshSoup& soup) {
-    take(kSurfaceMagic.size());
+    if (text_of(kSurfaceMagic.size()) != kSurfaceMagic) fail("its reader sent a torn mesh");
     const auto textures = number<uint32_t>();
     const auto sentences = number<uint32_t>();
     const auto notes = number<uint32_t>();
@@ -214,13 +283,14 @@ class Decoder {
       if (number<uint8_t>() != 0) part.material = material(static_cast<int>(textures));
     }
     if (!soup.has_coats) return;
-    for (SoupTriangle& triangle : soup.triangles) triangle.coat = coat();
+    soup.coats.reserve(soup.triangles.size());
+    for (size_t i = 0; i < soup.triangles.size(); ++i) soup.coats.push_back(coat());
   }
 
   std::string text() {
     const auto length = number<uint32_t>();
     if (length > kMaxSentenceBytes) fail("its reader sent too long a text");
-    return std::string(take(length));
+    return text_of(length);
   }
 
   Texture texture() {
@@ -233,8 +303,8 @@ class Decoder {
                           out.height <= kMaxTextureSide &&
                           int64_t{out.width} * out.height <= kMaxTexturePixels;
     if (!is_sized) fail("its reader sent a texture of a wrong size");
-    const std::string_view bytes = take(size_t{4} * out.width * out.height);
-    out.rgba.assign(bytes.begin(), bytes.end());
+    out.rgba.resize(size_t{4} * out.width * out.height);
+    take(reinterpret_cast<char*>(out.rgba.data()), out.rgba.size());
     return out;
   }
 
@@ -298,14 +368,10 @@ class Decoder {
     return out;
   }
 
-  Eigen::Vector3d vector() {
-    Eigen::Vector3d v;
-    std::memcpy(v.data(), take(3 * sizeof(double)).data(), 3 * sizeof(double));
-    return v;
-  }
-
-  std::string_view bytes_;
+  const ByteSource& source_;
   const std::filesystem::path& file_;
+  std::string fetched_;  // of the source, up to here:
+  size_t at_ = 0;
 };
 
 }  // namespace
@@ -315,28 +381,44 @@ double luminance(double red, double green, double blue) {
   return y > 0 ? std::min(y, 1.0) : 0.0;  // 0 also where a file has no number
 }
 
-void add_transformed(MeshSoup& soup, const SoupTriangle& triangle,
-                     const Eigen::Matrix4d& file_from_mesh) {
-  const Eigen::Matrix3d linear = file_from_mesh.topLeftCorner<3, 3>();
-  const Eigen::Vector3d offset = file_from_mesh.topRightCorner<3, 1>();
-  const double determinant = linear.determinant();
-  // Normals go by the cofactor matrix, which is also right for singular and mirroring transforms.
-  Eigen::Matrix3d cofactors;
-  cofactors.col(0) = linear.col(1).cross(linear.col(2));
-  cofactors.col(1) = linear.col(2).cross(linear.col(0));
-  cofactors.col(2) = linear.col(0).cross(linear.col(1));
-  if (determinant < 0) cofactors = -cofactors;
+std::array<Eigen::Vector3d, 3> no_normals() {
+  const Eigen::Vector3d none = Eigen::Vector3d::Zero();
+  return {none, none, none};
+}
 
-  SoupTriangle moved{.corner = {}, .normal = {}, .part = triangle.part};
+SoupTransform::SoupTransform(const Eigen::Matrix4d& file_from_mesh)
+    : linear_(file_from_mesh.topLeftCorner<3, 3>()),
+      offset_(file_from_mesh.topRightCorner<3, 1>()),
+      is_mirroring_(linear_.determinant() < 0) {
+  cofactors_.col(0) = linear_.col(1).cross(linear_.col(2));
+  cofactors_.col(1) = linear_.col(2).cross(linear_.col(0));
+  cofactors_.col(2) = linear_.col(0).cross(linear_.col(1));
+  if (is_mirroring_) cofactors_ = -cofactors_;
+}
+
+void SoupTransform::add(MeshSoup& soup, const SoupTriangle& triangle) const {
+  SoupFace face{.part = triangle.part};
+  std::array<Eigen::Vector3d, 3> normal;
+  Coat coat;
+  bool has_normal = false;
   for (int i = 0; i < 3; ++i) {
-    const int from = determinant < 0 ? 2 - i : i;
-    moved.corner[i] = linear * triangle.corner[from] + offset;
-    moved.coat.uv[i] = triangle.coat.uv[from];
-    moved.coat.colour[i] = triangle.coat.colour[from];
-    moved.normal[i] = (cofactors * triangle.normal[from]).stableNormalized();
-    if (!moved.normal[i].allFinite()) moved.normal[i].setZero();
+    const int from = is_mirroring_ ? 2 - i : i;
+    face.point[i] = soup.numbers.index_of(linear_ * triangle.corner[from] + offset_, soup.points);
+    coat.uv[i] = triangle.coat.uv[from];
+    coat.colour[i] = triangle.coat.colour[from];
+    normal[i] = (cofactors_ * triangle.normal[from]).stableNormalized();
+    if (!normal[i].allFinite()) normal[i].setZero();
+    has_normal = has_normal || !normal[i].isZero(0);
   }
-  soup.triangles.push_back(moved);
+  if (has_normal) {
+    soup.normals.resize(soup.triangles.size(), no_normals());
+    soup.normals.push_back(normal);
+  }
+  if (soup.has_coats) {
+    soup.coats.resize(soup.triangles.size());
+    soup.coats.push_back(coat);
+  }
+  soup.triangles.push_back(face);
 }
 
 void require_room(const MeshSoup& soup, size_t more, const std::filesystem::path& file) {
@@ -349,30 +431,40 @@ void require_room(const MeshSoup& soup, size_t more, const std::filesystem::path
   }
 }
 
-std::string encode(const MeshSoup& soup) {
-  std::string bytes(kMagic);
-  bytes.reserve(kMagic.size() + 64 * soup.parts.size() + 16 +
-                kBytesPerTriangle * soup.triangles.size() +
-                (has_surface(soup) ? surface_bytes(soup) : 0));
+void encode(const MeshSoup& soup, const std::function<void(std::string_view)>& write) {
+  Pieces pieces(write);
+  std::string& bytes = pieces.gathered();
+  bytes += kMagic;
   append(bytes, static_cast<uint64_t>(soup.parts.size()));
   append(bytes, static_cast<uint64_t>(soup.triangles.size()));
-  for (const Part& part : soup.parts) {
-    const std::string name = part.name.substr(0, kMaxNameBytes);
-    append(bytes, static_cast<uint32_t>(name.size()));
-    bytes += name;
-    append(bytes, part.albedo);
-  }
-  for (const SoupTriangle& triangle : soup.triangles) {
-    append(bytes, triangle.corner);
-    append(bytes, triangle.normal);
-    append(bytes, static_cast<uint32_t>(triangle.part));
-  }
-  if (has_surface(soup)) append_surface(bytes, soup);
+  append(bytes, static_cast<uint64_t>(soup.points.size()));
+  append(bytes, static_cast<uint64_t>(soup.normals.size()));
+  for (const Part& part : soup.parts) append_part(bytes, part);
+  pieces.pass();
+  write(bytes_of(soup.points));
+  write(bytes_of(soup.triangles));
+  write(bytes_of(soup.normals));
+  if (has_surface(soup)) append_surface(pieces, soup);
+  pieces.pass();
+}
+
+std::string encode(const MeshSoup& soup) {
+  std::string bytes;
+  encode(soup, [&](std::string_view piece) { bytes += piece; });
   return bytes;
 }
 
-MeshSoup decode(std::string_view bytes, const std::filesystem::path& file) {
+MeshSoup decode(const ByteSource& bytes, const std::filesystem::path& file) {
   return Decoder(bytes, file).decode();
+}
+
+MeshSoup decode(std::string_view bytes, const std::filesystem::path& file) {
+  const auto next = [&](char* to, size_t most) {
+    const size_t size = bytes.copy(to, most);
+    bytes.remove_prefix(size);
+    return size;
+  };
+  return decode(ByteSource(next), file);
 }
 
 }  // namespace sightline

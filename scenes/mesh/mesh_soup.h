@@ -12,10 +12,12 @@
 #include <Eigen/Core>
 
 #include "scenes/mesh/mesh_io.h"
+#include "scenes/mesh/point_table.h"
 
 namespace sightline {
 
-/// A triangle as a file gives it: its own three corners, in the file's axes and unit.
+/// A triangle on its way from a file into a soup: its own three corners, in the file's axes and
+/// unit.
 struct SoupTriangle {
   std::array<Eigen::Vector3d, 3> corner;
   std::array<Eigen::Vector3d, 3> normal;  ///< unit, or zero where the file has none
@@ -23,19 +25,35 @@ struct SoupTriangle {
   Coat coat = {};  ///< means something where the soup has coats
 };
 
-/// What the readers of mesh files hand to the one place that cleans meshes.
+/// A triangle as a soup has it.
+struct SoupFace {
+  std::array<int, 3> point{};  ///< indices into MeshSoup::points
+  int part = 0;
+};
+
+/// The normals of a triangle without any.
+std::array<Eigen::Vector3d, 3> no_normals();
+
+/// What the readers of mesh files hand to the one place that cleans meshes. It is compact, since
+/// the readers' process and the program's each have one for a moment.
 struct MeshSoup {
-  std::vector<SoupTriangle> triangles;
+  std::vector<Eigen::Vector3d> points;  ///< no two alike
+  std::vector<SoupFace> triangles;      ///< in the file's order
+  /// Of the triangles' corners, unit, or zero where the file has none; those of the last triangles
+  /// may be missing.
+  std::vector<std::array<Eigen::Vector3d, 3>> normals = {};
+  std::vector<Coat> coats = {};  ///< of the triangles; those of the last ones may be missing
   std::vector<Part> parts;
   bool has_coats = false;
   double unit_m = 1;  ///< metres in a unit, as far as the file says
   std::vector<Texture> textures = {};
   std::vector<std::string> lost_textures = {};  ///< as in a Mesh
   std::vector<std::string> notes = {};          ///< alike
+  PointTable numbers = {};                      ///< of the points, while triangles are added
 };
 
-constexpr size_t kMaxTriangles = 2'000'000;  ///< a target, not a scan: some GB at the most
-constexpr size_t kMaxParts = 65535;          ///< ids of parts have 16 bits, 0 is background
+constexpr size_t kMaxTriangles = 12'000'000;  ///< 10 million take 4 GB: the child and the program
+constexpr size_t kMaxParts = 65535;           ///< ids of parts have 16 bits, 0 is background
 constexpr double kSmallestUnitM = 1e-6;
 constexpr double kLargestUnitM = 1e6;
 constexpr double kLargestCoordinate = 1e12;  ///< sizes and cells remain numbers that doubles hold
@@ -50,10 +68,21 @@ MeshSoup read_with_assimp(const std::filesystem::path& file);
 /// its folder is where its buffers may lie.
 MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& file);
 
-/// Adds a triangle whose corners and normals are carried by `file_from_mesh`; a mirroring transform
-/// reverses the winding so that it stays counter-clockwise from outside.
-void add_transformed(MeshSoup& soup, const SoupTriangle& triangle,
-                     const Eigen::Matrix4d& file_from_mesh);
+/// Carries triangles from a mesh's own axes into the file's. A mirroring transform reverses the
+/// winding so that it stays counter-clockwise from outside.
+class SoupTransform {
+ public:
+  explicit SoupTransform(const Eigen::Matrix4d& file_from_mesh);
+
+  /// Adds a triangle whose corners and normals are carried.
+  void add(MeshSoup& soup, const SoupTriangle& triangle) const;
+
+ private:
+  Eigen::Matrix3d linear_;
+  Eigen::Vector3d offset_;
+  Eigen::Matrix3d cofactors_;  // these carry normals, also by singular and mirroring transforms
+  bool is_mirroring_;
+};
 
 /// Throws InputError when the soup with `more` triangles and one more part would be too large.
 void require_room(const MeshSoup& soup, size_t more, const std::filesystem::path& file);
@@ -61,14 +90,20 @@ void require_room(const MeshSoup& soup, size_t more, const std::filesystem::path
 /// Linear luminance of a linear RGB colour (Rec. 709 weights), clamped to [0, 1].
 double luminance(double red, double green, double blue);
 
-/// A soup as bytes, to cross from one process to another of the same machine.
+/// A soup as bytes, to cross from one process to another of the same machine: as a whole, or piece
+/// by piece to where they are written.
 std::string encode(const MeshSoup& soup);
+void encode(const MeshSoup& soup, const std::function<void(std::string_view)>& write);
+
+/// Gives the next bytes, at most so many, and how many they are: none at the end alone.
+using ByteSource = std::function<size_t(char* to, size_t most)>;
 
 /// The soup of such bytes, which may be anything: throws InputError, naming the file, when the
 /// counts disagree with the length or pass the limits above, a number is not finite, a corner lies
 /// beyond kLargestCoordinate, a normal is longer than a unit, an albedo is not in [0, 1] or a part
 /// does not exist. Names come out as printable UTF-8 of at most 256 bytes.
 MeshSoup decode(std::string_view bytes, const std::filesystem::path& file);
+MeshSoup decode(const ByteSource& bytes, const std::filesystem::path& file);
 
 /// The mesh of a soup, as `read_mesh` tells. Throws InputError for one without size or triangles
 /// and for a wrong frame.

@@ -11,6 +11,7 @@
 namespace sightline {
 
 /// Says what a mesh hides from an eye (CGAL's AABB tree; the mesh may be an open triangle soup).
+/// The tree is built when it is first asked, by whichever thread that is.
 class Occluder {
  public:
   explicit Occluder(const Mesh& mesh);
@@ -25,7 +26,7 @@ class Occluder {
 
  private:
   struct Tree;
-  std::shared_ptr<const Tree> tree_;
+  std::shared_ptr<Tree> tree_;
 };
 
 }  // namespace sightline

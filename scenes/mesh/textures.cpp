@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <optional>
 
 #include <fmt/format.h>
@@ -53,13 +51,6 @@ void to_rgba(const cv::Mat& picture, std::vector<uint8_t>& rgba) {
   }
 }
 
-std::optional<std::string> read_bytes(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string bytes((std::istreambuf_iterator<char>(stream)), {});
-  if (!stream) return std::nullopt;
-  return bytes;
-}
-
 }  // namespace
 
 double linear_from_srgb(double encoded) {
@@ -103,7 +94,7 @@ int TextureShelf::from_file(const std::string& named, bool is_srgb) {
   for (const std::filesystem::path& place : {given, given.filename()}) {
     const auto file = folder_.find(place);
     if (!file) continue;
-    if (const auto bytes = read_bytes(*file)) return add(named, is_srgb, *bytes);
+    if (const auto bytes = whole_file(*file)) return add(named, is_srgb, *bytes);
   }
   return lose(named, "is missing");
 }

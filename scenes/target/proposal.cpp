@@ -7,7 +7,6 @@
 #include <cctype>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <string>
 #include <utility>
 
@@ -16,6 +15,8 @@
 #include <fmt/format.h>
 
 #include "pose/angles.h"
+#include "scenes/target/candidate.h"
+#include "scenes/target/rounded_tips.h"
 
 namespace sightline {
 namespace {
@@ -33,6 +34,7 @@ constexpr double kLeastAngleDeg = 12;    // narrower is worth nothing
 constexpr double kInnerEdgeWorth = 0.3;  // of an edge before other surfaces, against outline's 1
 constexpr double kOutlineShift = 0.004;  // of the size: how far beside an edge its background is
 constexpr double kLeastRest = 0.5;       // of the least length: an edge's, beyond where lines cross
+constexpr double kTipDistance = 0.06;    // of the size: of a tip from any other feature
 constexpr int kSamplesPerEdge = 3;
 constexpr int kLeastSamplesInSight = 2;
 
@@ -230,15 +232,6 @@ std::vector<StraightEdge> straight_edges(const Mesh& mesh, double size_m,
   return edges;
 }
 
-struct Candidate {
-  int part = 0;
-  TargetFeature feature;
-  double worth = 0;  // by its shape alone
-  std::vector<double> worth_in_view;
-  double visible_fraction = 0;
-  double outline_fraction = 0;
-};
-
 // The candidate of two edges with the given ends together, if their lines meet there.
 void add_candidate(const StraightEdge& a, int end_a, const StraightEdge& b, int end_b,
                    const Occluder& occluder, double size_m, const ProposalOptions& options,
@@ -293,19 +286,6 @@ std::vector<Candidate> candidates_of(const Mesh& mesh, const Occluder& occluder,
                    [](const Candidate& a, const Candidate& b) { return a.worth > b.worth; });
   if (candidates.size() > kMaxCandidates) candidates.resize(kMaxCandidates);
   return candidates;
-}
-
-// Directions towards the eye, evenly over the sphere (a Fibonacci spiral).
-std::vector<Vector3d> sphere(int count) {
-  std::vector<Vector3d> directions;
-  const double golden_rad = std::numbers::pi * (3 - std::sqrt(5.0));
-  for (int i = 0; i < count; ++i) {
-    const double z = 1 - (2 * i + 1.0) / count;
-    const double radius = std::sqrt(1 - z * z);
-    directions.emplace_back(radius * std::cos(i * golden_rad), radius * std::sin(i * golden_rad),
-                            z);
-  }
-  return directions;
 }
 
 // How one edge of a feature looks from one side.
@@ -375,39 +355,6 @@ void look_from_all_sides(Candidate& candidate, const std::vector<Vector3d>& dire
                                         static_cast<double>(outline[1]) / in_sight[1]);
 }
 
-double gain_of(const Candidate& candidate, const std::vector<double>& had_in_view) {
-  double gain = 0;
-  for (size_t v = 0; v < had_in_view.size(); ++v) {
-    gain += candidate.worth_in_view[v] / (1 + had_in_view[v]);
-  }
-  return gain;
-}
-
-std::vector<Candidate> choose(std::vector<Candidate> candidates, double min_distance_m,
-                              const ProposalOptions& options) {
-  std::vector<Candidate> chosen;
-  std::vector<double> had_in_view(static_cast<size_t>(options.views), 0);
-  while (!candidates.empty() && static_cast<int>(chosen.size()) < options.max_features) {
-    size_t best = 0;
-    double best_gain = 0;
-    for (size_t i = 0; i < candidates.size(); ++i) {
-      const double gain = gain_of(candidates[i], had_in_view);
-      if (gain > best_gain) {
-        best = i;
-        best_gain = gain;
-      }
-    }
-    if (best_gain == 0) break;
-    chosen.push_back(candidates[best]);
-    const Candidate& taken = chosen.back();
-    for (size_t v = 0; v < had_in_view.size(); ++v) had_in_view[v] += taken.worth_in_view[v];
-    std::erase_if(candidates, [&](const Candidate& other) {
-      return (other.feature.position_m - taken.feature.position_m).norm() < min_distance_m;
-    });
-  }
-  return chosen;
-}
-
 // Lower-case letters, digits and single underscores.
 std::string as_word(const std::string& name) {
   std::string word;
@@ -421,6 +368,14 @@ std::string as_word(const std::string& name) {
   }
   while (!word.empty() && word.back() == '_') word.pop_back();
   return word.empty() ? "part" : word;
+}
+
+// Drops what is seen from too few sides, or hardly ever before the background.
+void drop_poor(const ProposalOptions& options, std::vector<Candidate>& candidates) {
+  std::erase_if(candidates, [&](const Candidate& candidate) {
+    return candidate.visible_fraction < options.min_visible_fraction ||
+           candidate.outline_fraction < options.min_outline_fraction;
+  });
 }
 
 }  // namespace
@@ -455,19 +410,21 @@ std::vector<FeatureProposal> propose_features(const Mesh& mesh, const Occluder& 
                                               const ProposalOptions& options) {
   const Bounds box = bounds(mesh);
   const double size_m = (box.max_m - box.min_m).norm();
-  std::vector<Candidate> candidates = candidates_of(mesh, occluder, size_m, options);
-  const std::vector<Vector3d> directions = sphere(options.views);
-  for (Candidate& candidate : candidates) {
-    look_from_all_sides(candidate, directions, occluder, size_m);
+  std::vector<Candidate> corners = candidates_of(mesh, occluder, size_m, options);
+  const std::vector<Vector3d> directions = directions_all_round(options.views);
+  for (Candidate& corner : corners) look_from_all_sides(corner, directions, occluder, size_m);
+  drop_poor(options, corners);
+  std::vector<Candidate> chosen;
+  choose(std::move(corners), options.max_features, options.min_distance * size_m, chosen);
+  const int enough = std::min(options.max_features, options.enough_corners);
+  if (static_cast<int>(chosen.size()) < enough) {
+    std::vector<Candidate> tips = rounded_tips(mesh, occluder, directions);
+    drop_poor(options, tips);
+    choose(std::move(tips), enough, kTipDistance * size_m, chosen);
   }
-  std::erase_if(candidates, [&](const Candidate& candidate) {
-    return candidate.visible_fraction < options.min_visible_fraction ||
-           candidate.outline_fraction < options.min_outline_fraction;
-  });
   std::vector<FeatureProposal> proposals;
   std::map<std::string, int> last_number;
-  for (Candidate& candidate :
-       choose(std::move(candidates), options.min_distance * size_m, options)) {
+  for (Candidate& candidate : chosen) {
     const std::string part = as_word(mesh.parts[candidate.part].name);
     candidate.feature.name = fmt::format("{}_{}", part, ++last_number[part]);
     proposals.push_back(

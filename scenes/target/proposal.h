@@ -14,6 +14,7 @@ namespace sightline {
 /// diagonal of its box.
 struct ProposalOptions {
   int max_features = 16;
+  int enough_corners = 10;             ///< with fewer, rounded tips fill up to that
   double sharp_angle_deg = 20;         ///< the faces at a crease turn by this at least
   double straightness = 0.0015;        ///< an edge's vertices lie this close to its line
   double min_length = 0.012;           ///< of each of the two edges: a tip's chord
@@ -31,9 +32,9 @@ bool is_moving_part(const std::string& name);
 
 /// A feature that the mesh itself suggests.
 struct FeatureProposal {
-  TargetFeature feature;        ///< a line intersection, named <part>_<n>
+  TargetFeature feature;        ///< a line intersection or a contour, named <part>_<n>
   double visible_fraction = 0;  ///< of the views: its point and most of both edges near it
-  double outline_fraction = 0;  ///< of the lesser edge: seen against the background
+  double outline_fraction = 0;  ///< of the lesser edge, or the outline: against the background
 };
 
 /// Points where two long straight sharp edges of a mesh meet, best first. The mesh may be an open,
@@ -43,8 +44,9 @@ struct FeatureProposal {
 /// their projected lengths, the angle between them, and how much of them is outline, since against
 /// other surfaces an edge may have no contrast. The features are chosen one by one for the greatest
 /// sum of worths over the views, each divided by what the chosen ones give that view already, so
-/// that they spread over the target and its sides. Fewer than asked for, or none, where the mesh
-/// has no more.
+/// that they spread over the target and its sides. Where the mesh has few of them, rounded tips
+/// are added in the same way (rounded_tips.h), as contours. Fewer than asked for, or none, where
+/// the mesh has no more.
 std::vector<FeatureProposal> propose_features(const Mesh& mesh, const Occluder& occluder,
                                               const ProposalOptions& options = {});
 

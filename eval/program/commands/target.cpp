@@ -2,14 +2,41 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <iostream>
 #include <memory>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "eval/program/commands/commands.h"
 #include "eval/program/mesh_options.h"
+#include "eval/review/target_review.h"
+#include "eval/target/target_edit.h"
 #include "eval/target/target_report.h"
 
 namespace sightline {
+
+namespace {
+
+// What is done to a target's features, beside looking at it.
+struct TargetChanges {
+  TargetEdits edits;
+  std::string review;  // the page to write; none if empty
+};
+
+void run_target(const TargetArguments& arguments, const TargetChanges& changes) {
+  std::string told;
+  const bool is_proposal = arguments.propose.has_value();
+  if (!is_proposal && !changes.edits.empty()) told = edit_target(arguments.target, changes.edits);
+  const TargetReport report = report_target(arguments);
+  std::cout << report.text;
+  const std::string file = is_proposal ? report.proposed.string() : arguments.target;
+  if (is_proposal && !changes.edits.empty()) told = edit_target(file, changes.edits);
+  if (!told.empty()) std::cout << '\n' << told;
+  if (changes.review.empty()) return;
+  write_review(file, changes.review);
+  std::cout << "\nreview     " << changes.review << '\n';
+}
+
+}  // namespace
 
 void add_target(CLI::App& app) {
   auto arguments = std::make_shared<TargetArguments>();
@@ -41,7 +68,17 @@ void add_target(CLI::App& app) {
   CLI::Option* out =
       sub->add_option("--out", arguments->coarser, "The .glb of --decimate")->needs(decimate);
   decimate->needs(out);
-  sub->callback([arguments] { std::cout << report_target(*arguments); });
+  auto changes = std::make_shared<TargetChanges>();
+  sub->add_option("--drop", changes->edits.dropped,
+                  "Take features of these names out of the target.toml, or the proposal")
+      ->expected(1, 1000);
+  sub->add_option("--add", changes->edits.added,
+                  "Add a contour feature at x,y,z or x,y,z,NAME to it (metres, the target's frame)")
+      ->expected(1, 1000);
+  sub->add_option("--review", changes->review,
+                  "Write a page to judge the features by into this .html: pictures from six sides, "
+                  "from where each is to be seen, how well it is found");
+  sub->callback([arguments, changes] { run_target(*arguments, *changes); });
 }
 
 }  // namespace sightline

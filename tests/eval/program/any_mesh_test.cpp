@@ -3,6 +3,10 @@
 //
 // Mesh files as people have them, through the program: where they lie, how they are called, and
 // what of them is drawn.
+#include <array>
+#include <set>
+#include <sstream>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -209,6 +213,73 @@ TEST_F(AnyMesh, ACoarserMeshIsWritten) {
   EXPECT_NEAR((bounds(target->mesh).max_m - bounds(whole->mesh).max_m).norm(), 0, 1);
   EXPECT_THAT(run("target boeing707 --decimate 20 --out " + coarse).output, HasSubstr("is kept"));
   EXPECT_EQ(run("target boeing707 --decimate 20").exit_code, 2);
+}
+
+// The files below a folder that a command opened, links followed; others it asked for in vain.
+std::set<fs::path> opened_below(const fs::path& folder, const std::string& trace) {
+  std::set<fs::path> opened;
+  std::istringstream lines(trace);
+  for (std::string line; std::getline(lines, line);) {
+    const size_t begin = line.find('"');
+    const size_t end = line.find('"', begin + 1);
+    const bool is_open = begin != std::string::npos && line.find(" = -1 ") == std::string::npos;
+    if (!is_open || line.find("O_DIRECTORY") != std::string::npos) continue;
+    const fs::path real = fs::weakly_canonical(line.substr(begin + 1, end - begin - 1));
+    const fs::path within = real.lexically_proximate(fs::canonical(folder));
+    if (!within.string().starts_with("..")) opened.insert(within);
+  }
+  return opened;
+}
+
+// A triangle whose buffer and texture are named as told.
+std::string gltf_with(const std::string& buffer, const std::string& picture) {
+  return fmt::format(
+      R"({{"asset":{{"version":"2.0"}},"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],
+"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"TEXCOORD_0":1}},"material":0}}]}}],
+"materials":[{{"pbrMetallicRoughness":{{"baseColorTexture":{{"index":0}}}}}}],
+"textures":[{{"source":0}}],"images":[{{"uri":"{}"}}],
+"accessors":[{{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}},
+{{"bufferView":1,"componentType":5126,"count":3,"type":"VEC2"}}],
+"bufferViews":[{{"buffer":0,"byteLength":36}},{{"buffer":0,"byteOffset":36,"byteLength":24}}],
+"buffers":[{{"byteLength":60,"uri":"{}"}}]}})",
+      picture, buffer);
+}
+
+std::string triangle_bytes() {
+  const std::array<float, 15> numbers = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1};
+  return {reinterpret_cast<const char*>(numbers.data()), sizeof numbers};
+}
+
+TEST_F(AnyMesh, OnlyTheMeshsFolderAndWhatItsLinksLeadToIsOpened) {
+  if (run_shell("strace -o /dev/null true").exit_code != 0) {
+    GTEST_SKIP() << "strace is missing, or may not trace here";
+  }
+  for (const char* folder : {"mesh", "store", "outside"}) fs::create_directory(path(folder));
+  write("store/buffer", triangle_bytes());
+  write("outside/buffer.bin", triangle_bytes());
+  write("outside/secret.png", "no picture");
+  write("outside/secret.mtl", "newmtl paint\nKd 1 0 0\n");
+  fs::create_symlink("../store/buffer", path("mesh/linked.bin"));
+  fs::create_symlink("../outside", path("mesh/folder"));
+  const auto opened = [&](const std::string& file) {
+    run_shell("strace -f -e trace=open,openat,openat2 -o " + path("trace") + " " +
+              SIGHTLINE_PROGRAM + " target " + quoted(path(file)));
+    auto files = opened_below(folder_.path(), read_whole(path("trace")));
+    files.erase("trace");
+    return files;
+  };
+  using Files = std::set<fs::path>;
+  write("mesh/linked.gltf", gltf_with("linked.bin", "../outside/secret.png"));
+  EXPECT_EQ(opened("mesh/linked.gltf"), (Files{"mesh/linked.gltf", "store/buffer"}));
+  for (const std::string& named : {std::string("../outside/buffer.bin"), path("outside/buffer.bin"),
+                                   std::string("folder/buffer.bin")}) {
+    write("mesh/curious.gltf", gltf_with(named, "none.png"));
+    EXPECT_EQ(opened("mesh/curious.gltf"), Files{"mesh/curious.gltf"}) << named;
+  }
+  write("mesh/curious.obj", "mtllib ../outside/secret.mtl\nusemtl paint\n" + wedge(2, {0, 0, 0}));
+  EXPECT_EQ(opened("mesh/curious.obj"), Files{"mesh/curious.obj"});
+  // What lies outside is seen to be opened where a user asks for it.
+  EXPECT_EQ(opened("outside/buffer.bin"), Files{"outside/buffer.bin"});
 }
 
 }  // namespace

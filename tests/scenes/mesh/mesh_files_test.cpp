@@ -179,5 +179,59 @@ TEST_F(MeshFiles, WhatIsIgnoredOrNotDrawnIsSaid) {
   EXPECT_THAT(read_mesh(folder_.write("inner/plain.obj", kCorner)).mesh.notes, IsEmpty());
 }
 
+const Eigen::Vector3d kUtm(446789.256, 5411236.511, 312.123);
+
+// The corner as a .ply in UTM coordinates, with a property more between those of its vertices.
+std::string utm_ply(const std::string& format, const std::string& type) {
+  std::string ply = fmt::format(
+      "ply\nformat {} 1.0\ncomment scanned\nelement vertex 4\nproperty {} x\nproperty uchar q\n"
+      "property {} y\nproperty {} z\nelement face 4\nproperty list uchar int vertex_indices\n"
+      "end_header\n",
+      format, type, type, type);
+  const bool is_big = format == "binary_big_endian";
+  const auto put = [&](const auto& value) {
+    std::string bytes(reinterpret_cast<const char*>(&value), sizeof value);
+    ply += is_big ? std::string(bytes.rbegin(), bytes.rend()) : bytes;
+  };
+  const std::vector<std::array<double, 3>> corners = {{0, 0, 0}, {4, 0, 0}, {0, 3, 0}, {0, 0, 1}};
+  const std::vector<std::array<int32_t, 3>> faces = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  for (const auto& c : corners) {
+    const double x = kUtm.x() + c[0], y = kUtm.y() + c[1], z = kUtm.z() + c[2];
+    if (format == "ascii") {
+      ply += fmt::format("{} 7 {} {}\n", x, y, z);
+    } else if (type == "double") {
+      put(x), put(uint8_t{7}), put(y), put(z);
+    } else {
+      put(static_cast<float>(x)), put(uint8_t{7});
+      put(static_cast<float>(y)), put(static_cast<float>(z));
+    }
+  }
+  for (const auto& f : faces) {
+    if (format == "ascii") {
+      ply += fmt::format("3 {} {} {}\n", f[0], f[1], f[2]);
+    } else {
+      put(uint8_t{3}), put(f[0]), put(f[1]), put(f[2]);
+    }
+  }
+  return ply;
+}
+
+TEST_F(MeshFiles, AGeoreferencedPlyOfDoublesIsExact) {
+  for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+    const auto file = folder_.write("utm.ply", utm_ply(format, "double"));
+    expect_size(file, {}, 1);
+    const Bounds box = bounds(read_mesh(file).mesh);
+    EXPECT_NEAR((box.min_m - kUtm).norm(), 0, 1e-6) << format;
+    // One that is torn within its vertices is refused as ever, in one line.
+    const std::string text = utm_ply(format, "double");
+    const size_t within = text.find("end_header") + 40;
+    EXPECT_THAT(error_of([&] { read_mesh(folder_.write("torn.ply", text.substr(0, within))); }),
+                AllOf(HasSubstr("torn.ply"), testing::Not(HasSubstr("\n"))));
+  }
+  // Single precision has half a metre there: nothing can bring it back.
+  const auto coarse = folder_.write("utm.ply", utm_ply("binary_little_endian", "float"));
+  EXPECT_GT((bounds(read_mesh(coarse).mesh).min_m - kUtm).norm(), 1e-3);
+}
+
 }  // namespace
 }  // namespace sightline

@@ -27,11 +27,11 @@ const std::filesystem::path kFile = "some/mesh.obj";
 
 MeshSoup one_triangle() {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
-  const SoupTriangle triangle{
-      .corner = {Eigen::Vector3d(0.1, 0, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, -3)},
-      .normal = {up, Eigen::Vector3d::Zero(), -up},
-      .part = 1};
-  return {.triangles = {triangle}, .parts = {{"hull", 0.25}, {"Flügel", 1}}};
+  return {
+      .points = {Eigen::Vector3d(0.1, 0, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, -3)},
+      .triangles = {{.point = {0, 1, 2}, .part = 1}},
+      .normals = {{up, Eigen::Vector3d::Zero(), -up}},
+      .parts = {{"hull", 0.25}, {"Flügel", 1}}};
 }
 
 std::string decode_error(const MeshSoup& soup) {
@@ -45,8 +45,9 @@ TEST(MeshSoup, CrossesAsBytes) {
   EXPECT_EQ(back.parts[1].name, "Flügel");
   EXPECT_EQ(back.parts[0].albedo, 0.25);
   ASSERT_EQ(back.triangles.size(), 1u);
-  EXPECT_EQ(back.triangles[0].corner, soup.triangles[0].corner);
-  EXPECT_EQ(back.triangles[0].normal, soup.triangles[0].normal);
+  EXPECT_EQ(back.points, soup.points);
+  EXPECT_EQ(back.triangles[0].point, soup.triangles[0].point);
+  EXPECT_EQ(back.normals, soup.normals);
   EXPECT_EQ(back.triangles[0].part, 1);
 }
 
@@ -56,7 +57,7 @@ TEST(MeshSoup, TheDecoderTrustsNothing) {
     EXPECT_THAT(error_of([&] { decode(whole.substr(0, size), kFile); }), HasSubstr("mesh.obj"));
   }
   EXPECT_THAT(error_of([&] { decode(whole + "x", kFile); }), HasSubstr("torn"));
-  for (const size_t count_at : {8, 16}) {  // of parts, of triangles
+  for (const size_t count_at : {8, 16, 24, 32}) {  // of parts, triangles, points and normals
     std::string lying = whole;
     const uint64_t huge = std::numeric_limits<uint64_t>::max() / 3;
     std::memcpy(lying.data() + count_at, &huge, sizeof huge);
@@ -66,18 +67,79 @@ TEST(MeshSoup, TheDecoderTrustsNothing) {
   soup.triangles[0].part = 2;
   EXPECT_THAT(decode_error(soup), HasSubstr("no part"));
   soup = one_triangle();
-  soup.triangles[0].corner[2].y() = std::numeric_limits<double>::quiet_NaN();
+  for (const int nowhere : {-1, 3}) {
+    soup = one_triangle();
+    soup.triangles[0].point[1] = nowhere;
+    EXPECT_THAT(decode_error(soup), HasSubstr("nowhere"));
+  }
+  soup = one_triangle();
+  soup.points[2].y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(decode_error(soup), HasSubstr("finite"));
   soup = one_triangle();
-  soup.triangles[0].corner[2].y() = -1e13;
+  soup.points[2].y() = -1e13;
   EXPECT_THAT(decode_error(soup), HasSubstr("at most"));
   for (const double wrong : {1.5, std::numeric_limits<double>::quiet_NaN()}) {
     soup = one_triangle();
-    soup.triangles[0].normal[0].x() = wrong;
+    soup.normals[0][0].x() = wrong;
     EXPECT_THAT(decode_error(soup), HasSubstr("normal"));
     soup = one_triangle();
     soup.parts[0].albedo = wrong;
     EXPECT_THAT(decode_error(soup), HasSubstr("albedo"));
+  }
+}
+
+// A strip of so many triangles, each with corners of its own, as .stl files have them.
+MeshSoup strip_of(int triangles, const Eigen::Vector3d& normal) {
+  MeshSoup soup;
+  soup.parts = {{"strip"}};
+  const SoupTransform as_it_is(Eigen::Matrix4d::Identity());
+  for (int i = 0; i < triangles; ++i) {
+    const auto corner = [i](int k) { return Eigen::Vector3d((i + k) / 2, (i + k) % 2, 0); };
+    as_it_is.add(soup, {.corner = {corner(0), corner(1 + i % 2), corner(2 - i % 2)},
+                        .normal = {normal, normal, normal}});
+  }
+  return soup;
+}
+
+TEST(MeshSoup, APointIsThereOnce) {
+  const MeshSoup soup = strip_of(1000, Eigen::Vector3d::Zero());
+  EXPECT_EQ(soup.points.size(), 1002u);
+  EXPECT_EQ(soup.triangles.back().point, (std::array<int, 3>{999, 1001, 1000}));
+  EXPECT_TRUE(soup.normals.empty());
+  EXPECT_EQ(strip_of(3, Eigen::Vector3d::UnitZ()).normals.size(), 3u);
+}
+
+TEST(MeshSoup, ALargeOneCrossesInPieces) {
+  const MeshSoup soup = strip_of(30'000, Eigen::Vector3d::UnitZ());
+  size_t longest = 0, whole = 0;
+  std::string bytes;
+  encode(soup, [&](std::string_view piece) { bytes += piece; });
+  std::string_view rest = bytes;
+  const MeshSoup back = decode(
+      [&](char* to, size_t most) {
+        const size_t size = rest.copy(to, std::min<size_t>(most, 1001));  // an odd number
+        rest.remove_prefix(size);
+        longest = std::max(longest, size);
+        whole += size;
+        return size;
+      },
+      kFile);
+  EXPECT_EQ(encode(back), bytes);
+  EXPECT_EQ(whole, bytes.size());
+  EXPECT_LE(longest, 1001u);
+  EXPECT_EQ(encode(read_in_child(kFile, [&](const std::filesystem::path&) { return soup; }, {})),
+            bytes);
+}
+
+TEST(MeshSoup, WhatIsNearIsWeldedAndWhatIsNotIsKept) {
+  const double size = std::hypot(15'000, 1);  // of the strip, whose tolerance is a millionth
+  for (const auto& [gap, vertices] : {std::pair(0.9e-6 * size, 30'002), {1.1e-6 * size, 30'003}}) {
+    MeshSoup soup = strip_of(30'000, Eigen::Vector3d::Zero());
+    soup.triangles.back().point[1] = static_cast<int>(soup.points.size());
+    soup.points.push_back(soup.points.back() + Eigen::Vector3d(0, 0, gap));
+    const LoadedMesh loaded = clean(std::move(soup), {}, kFile);
+    EXPECT_EQ(loaded.mesh.vertices.size(), static_cast<size_t>(vertices));
+    EXPECT_EQ(loaded.mesh.triangles.size(), 30'000u);
   }
 }
 

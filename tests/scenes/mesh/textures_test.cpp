@@ -179,12 +179,11 @@ TEST_F(TexturedMesh, PlyBringsThePictureAndTheColoursOfItsVertices) {
 // A soup with everything that a surface may have.
 MeshSoup painted_triangle() {
   MeshSoup soup;
-  SoupTriangle triangle{
-      .corner = {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)},
-      .normal = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()}};
-  triangle.coat.uv[1] = {0.25f, -3};
-  triangle.coat.colour[2] = {0.5f, 0.25f, 1, 0};
-  soup.triangles = {triangle};
+  soup.points = {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(0, 1, 0)};
+  soup.triangles = {{.point = {0, 1, 2}}};
+  soup.coats.resize(1);
+  soup.coats[0].uv[1] = {0.25f, -3};
+  soup.coats[0].colour[2] = {0.5f, 0.25f, 1, 0};
   Material material;
   material.base = {0.25, 0.5, 1, 0.75};
   material.has_gloss = true;
@@ -208,7 +207,7 @@ TEST(MeshSurface, CrossesAsBytes) {
   ASSERT_TRUE(back.parts[0].material);
   EXPECT_EQ(back.parts[0].material->emissive[0], 3);
   EXPECT_EQ(back.parts[0].material->base_texture.wrap_v, Wrap::kMirror);
-  EXPECT_EQ(back.triangles[0].coat.uv[1], soup.triangles[0].coat.uv[1]);
+  EXPECT_EQ(back.coats[0].uv[1], soup.coats[0].uv[1]);
   EXPECT_EQ(back.textures[0].rgba, soup.textures[0].rgba);
   EXPECT_EQ(back.lost_textures, soup.lost_textures);
 }
@@ -216,7 +215,7 @@ TEST(MeshSurface, CrossesAsBytes) {
 TEST(MeshSurface, TheDecoderTrustsNothing) {
   const std::string whole = encode(painted_triangle());
   MeshSoup plain = painted_triangle();
-  plain = {.triangles = plain.triangles, .parts = {{"label", 0.5}}};
+  plain = {.points = plain.points, .triangles = plain.triangles, .parts = {{"label", 0.5}}};
   const size_t shape_alone = encode(plain).size();
   for (size_t size = shape_alone + 1; size < whole.size(); ++size) {
     EXPECT_THAT(error_of([&] { decode(whole.substr(0, size), "mesh.glb"); }),
@@ -233,10 +232,9 @@ TEST(MeshSurface, TheDecoderTrustsNothing) {
               HasSubstr("material"));
   EXPECT_THAT(error([](MeshSoup& s) { s.parts[0].material->base_texture.texture = 1; }),
               HasSubstr("no such texture"));
-  EXPECT_THAT(error([](MeshSoup& s) { s.triangles[0].coat.uv[0].x() = std::nanf(""); }),
+  EXPECT_THAT(error([](MeshSoup& s) { s.coats[0].uv[0].x() = std::nanf(""); }),
               HasSubstr("coordinate"));
-  EXPECT_THAT(error([](MeshSoup& s) { s.triangles[0].coat.colour[0][0] = 2; }),
-              HasSubstr("colour"));
+  EXPECT_THAT(error([](MeshSoup& s) { s.coats[0].colour[0][0] = 2; }), HasSubstr("colour"));
   EXPECT_THAT(error([](MeshSoup& s) { s.textures[0].width = 1 << 30; }), HasSubstr("size"));
 }
 

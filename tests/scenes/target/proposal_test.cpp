@@ -166,11 +166,76 @@ TEST(Proposal, NamesComeFromParts) {
 TEST(Proposal, OptionsFilter) {
   const Mesh cube = build_cube().mesh;
   EXPECT_EQ(propose(cube, {.max_features = 3}).size(), 3u);
-  EXPECT_TRUE(propose(cube, {.sharp_angle_deg = 95}).empty());
-  EXPECT_TRUE(propose(cube, {.min_length = 0.6}).empty());  // an edge is 0.577 of the size
-  EXPECT_EQ(propose(cube, {.min_length = 0.57}).size(), 8u);
-  EXPECT_TRUE(propose(cube, {.min_visible_fraction = 0.95}).empty());
-  EXPECT_EQ(propose(cube, {.min_distance = 0.6}).size(), 4u);
+  const auto corners_alone = [&](ProposalOptions options) {
+    options.enough_corners = 0;
+    return propose(cube, options).size();
+  };
+  EXPECT_EQ(corners_alone({.sharp_angle_deg = 95}), 0u);
+  EXPECT_EQ(corners_alone({.min_length = 0.6}), 0u);  // an edge is 0.577 of the size
+  EXPECT_EQ(corners_alone({.min_length = 0.57}), 8u);
+  EXPECT_EQ(corners_alone({.min_visible_fraction = 0.95}), 0u);
+  EXPECT_EQ(corners_alone({.min_distance = 0.6}), 4u);
+}
+
+// Appends another mesh as a part of its own.
+void append_part(const Mesh& piece, const std::string& name, Mesh& to) {
+  const int offset = static_cast<int>(to.vertices.size());
+  to.vertices.insert(to.vertices.end(), piece.vertices.begin(), piece.vertices.end());
+  for (Triangle triangle : piece.triangles) {
+    for (int& v : triangle.vertex) v += offset;
+    triangle.part = static_cast<int>(to.parts.size());
+    to.triangles.push_back(triangle);
+  }
+  to.parts.push_back({name});
+}
+
+// A ball stretched along the axes and moved.
+Mesh ellipsoid(const Eigen::Vector3d& half_m, const Eigen::Vector3d& centre_m) {
+  Mesh mesh = ball(64);
+  for (Eigen::Vector3d& v : mesh.vertices) v = half_m.cwiseProduct(v) + centre_m;
+  return mesh;
+}
+
+// An aircraft without a straight edge: elliptical wings and tail.
+Mesh rounded_aircraft() {
+  Mesh mesh;
+  append_part(ellipsoid({4, 0.55, 0.6}, {0, 0, 0}), "fuselage", mesh);
+  append_part(ellipsoid({0.9, 5.5, 0.45}, {0.6, 0, 0.2}), "wing", mesh);
+  append_part(ellipsoid({0.45, 1.8, 0.2}, {-3.5, 0, -0.1}), "tailplane", mesh);
+  append_part(ellipsoid({0.5, 0.2, 1.1}, {-3.5, 0, -0.5}), "fin", mesh);
+  return mesh;
+}
+
+TEST(Proposal, ARoundedAircraftHasItsTips) {
+  const auto proposals = propose(rounded_aircraft());
+  EXPECT_GE(proposals.size(), 6u);
+  const double size_m = 14;
+  int contours = 0;
+  const std::vector<Eigen::Vector3d> tips = {{4, 0, 0},          {0.6, 5.5, 0.2},
+                                             {0.6, -5.5, 0.2},   {-3.5, 1.8, -0.1},
+                                             {-3.5, -1.8, -0.1}, {-3.5, 0, -1.6}};
+  for (const Eigen::Vector3d& tip : tips) {
+    const auto found = std::ranges::find_if(proposals, [&](const FeatureProposal& proposal) {
+      return (proposal.feature.position_m - tip).norm() < 0.03 * size_m;
+    });
+    ASSERT_NE(found, proposals.end()) << tip.transpose();
+    EXPECT_GT(found->visible_fraction, 0.4);
+    EXPECT_GT(found->outline_fraction, 0.4);
+    const bool is_contour = found->feature.kind == FeatureKind::kContour;
+    EXPECT_EQ(is_contour, !found->feature.parts.empty());
+    contours += is_contour;
+  }
+  EXPECT_GE(contours, 4);
+  // Without them there are the few places where the mesh's own triangles make a corner.
+  EXPECT_LE(propose(rounded_aircraft(), {.enough_corners = 0}).size(), 2u);
+}
+
+TEST(Proposal, ATipThatTurnsIsNoFeature) {
+  Mesh mesh = rounded_aircraft();
+  mesh.parts[1].name = "rotor";
+  for (const FeatureProposal& proposal : propose(mesh)) {
+    EXPECT_LT(std::abs(proposal.feature.position_m.y()), 5) << proposal.feature.name;
+  }
 }
 
 TEST(Proposal, WhatLiesInsideIsNotProposed) {
