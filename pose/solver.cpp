@@ -11,9 +11,9 @@ namespace sightline {
 namespace {
 
 constexpr std::array kCatalogue = {
-    PoseSolver{"consensus", "any number of points, any share of outliers, any start", false,
-               solve_consensus, 0, true, true, lines::solve_consensus},
-    PoseSolver{"lspe", "least squares on all points", false, solve_lspe, 0, false, false,
+    PoseSolver{"consensus", "any number of points and lines, any share of outliers, any start",
+               false, solve_consensus, 0, true, true, lines::solve_consensus},
+    PoseSolver{"lspe", "least squares on all points and lines", false, solve_lspe, 0, false, false,
                lines::solve_lspe},
     PoseSolver{"orpe", "minimax with removal of outliers, as the paper prints it", false,
                solve_orpe},

@@ -105,6 +105,21 @@ std::string extractor_names(const ImageStudy& images) {
   return fmt::to_string(fmt::join(texts, "; "));
 }
 
+// What the lines along edges are, over all conditions; empty where there are none.
+std::string text_of_lines(const ReportInput& input) {
+  LineCounts all;
+  for (size_t i = 0; i < input.study.conditions.size(); ++i) {
+    if (input.summary.extraction) all.add(input.summary.extraction->lines(static_cast<int>(i)));
+  }
+  if (all.lines == 0) return "";
+  const double share = static_cast<double>(all.right) / static_cast<double>(all.lines);
+  return fmt::format(
+      "Solvers that use lines were also given {} along edges, of which {} % lie on the image of "
+      "their "
+      "edge; the error of these is {} of their own sigmas, RMS.",
+      counted(all.lines, "line"), number_text(100 * share, 1), number_text(all.rms_sigmas(), 2));
+}
+
 }  // namespace
 
 std::string extraction_figure(const ReportInput& input) {
@@ -122,6 +137,7 @@ std::string extraction_figure(const ReportInput& input) {
           {"features", features},
           {"outlier_px", outlier_limit_px(*images)},
           {"extractors", extractor_names(*images)},
+          {"lines", text_of_lines(input)},
           {"has_conditions", input.study.conditions.size() > 1},
           {"conditions", condition_groups(input)},
       });

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -281,6 +282,29 @@ std::string feature_marks(const Observation& observation, const ObservationRecor
       "found", circle(record.pixel, kFoundRadiusPx),
       fmt::format("{}: found, {} px from the truth", record.feature, measure(record.error_px)));
   if (!removers.empty()) svg += removed_mark(record, removers);
+  return svg;
+}
+
+std::string observed_line_mark(const EdgeLine& found, const LineRecord& record,
+                               const std::vector<std::string>& removers) {
+  const ImageLine& line = found.line;
+  if (line.edge_pixels.empty()) return "";
+  double from = std::numeric_limits<double>::infinity(), to = -from;
+  for (const Eigen::Vector2d& pixel : line.edge_pixels) {
+    const double along = line.direction.dot(pixel - line.point);
+    from = std::min(from, along);
+    to = std::max(to, along);
+  }
+  const std::string path =
+      stroke(line.point + from * line.direction, line.point + to * line.direction);
+  const std::string name = fmt::format("{}, edge {}", record.feature, record.edge);
+  std::string svg =
+      mark("lines", path,
+           fmt::format("{}: {}, {} px and {} sigmas off", name, to_string(record.label),
+                       measure(std::abs(record.offset_px)), measure(record.error_sigmas)));
+  if (!removers.empty()) {
+    svg += mark("removed", path, fmt::format("{}: removed by {}", name, joined(removers)));
+  }
   return svg;
 }
 

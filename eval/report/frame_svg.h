@@ -33,6 +33,11 @@ ResidualPicture residual_picture(const std::string& solver, const ModelImage& mo
 std::string feature_marks(const Observation& observation, const ObservationRecord& record,
                           const std::vector<std::string>& removers);
 
+/// A line that solvers were given: along its edge pixels, with its errors as a title; struck out in
+/// the layer of what is removed where solvers (their labels) judged it an outlier.
+std::string observed_line_mark(const EdgeLine& found, const LineRecord& record,
+                               const std::vector<std::string>& removers);
+
 /// Closed polygons as the data of a path.
 std::string outline_path(const Outline& outline);
 

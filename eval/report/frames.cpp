@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
@@ -16,6 +17,7 @@
 #include "eval/output/html.h"
 #include "eval/output/numbers.h"
 #include "eval/output/words.h"
+#include "eval/records/line_records.h"
 #include "eval/report/figures.h"
 #include "eval/report/frame_svg.h"
 #include "eval/report/means.h"
@@ -68,15 +70,17 @@ mustache::data legend(const Study& study) {
   return list;
 }
 
-// Those that had to find out: the oracle is told.
+// Those that had to find out: the oracle is told. `removed_of` is the list of an estimate that may
+// have the name.
 std::vector<std::string> removers_of(const Study& study, const TrialRecord& record,
-                                     const std::string& feature) {
+                                     const std::string& name,
+                                     std::vector<std::string> EstimateRecord::*removed_of) {
   std::vector<std::string> solvers;
   for (const EstimateRecord& estimate : record.estimates()) {
     const TrialSolver* const solver = study.find_solver(estimate.solver);
     if (solver != nullptr && solver->evaluation_only) continue;
-    const auto& removed = estimate.removed;
-    if (std::find(removed.begin(), removed.end(), feature) != removed.end()) {
+    const auto& removed = estimate.*removed_of;
+    if (std::find(removed.begin(), removed.end(), name) != removed.end()) {
       solvers.push_back(solver_label(estimate.solver));
     }
   }
@@ -148,6 +152,20 @@ std::string closeup_alt(const ObservationRecord& record) {
                      record.is_outlier ? ", an outlier" : "");
 }
 
+// The lines of an observation that solvers were given, the first of those that are left.
+std::string line_marks_of(const Study& study, const TrialRecord& record,
+                          const Observation& observation, std::span<const LineRecord>& left) {
+  const size_t count = std::min(observation.edge_lines.size(), left.size());
+  std::string marks;
+  for (size_t i = 0; i < count; ++i) {
+    marks += observed_line_mark(
+        observation.edge_lines[i], left[i],
+        removers_of(study, record, name_of(left[i]), &EstimateRecord::removed_lines));
+  }
+  left = left.subspan(count);
+  return marks;
+}
+
 // Everything about a frame's features, which the image and the close-ups share.
 struct FeatureDrawings {
   mustache::data closeups{mustache::data::type::list};
@@ -163,11 +181,15 @@ int label_row(const cv::Rect& window, size_t index) {
 FeatureDrawings draw_features(const Study& study, const Trial& trial, bool has_picture) {
   FeatureDrawings drawings;
   const size_t count = std::min(trial.observations.size(), trial.record.observations().size());
+  // In the order of the observations that they were found with; empty where none were used.
+  std::span<const LineRecord> lines = trial.record.lines();
   for (size_t i = 0; i < count; ++i) {
     const Observation& observation = trial.observations[i];
     const ObservationRecord& record = trial.record.observations()[i];
-    const auto removers = removers_of(study, trial.record, record.feature);
-    const std::string marks = feature_marks(observation, record, removers);
+    const auto removers =
+        removers_of(study, trial.record, record.feature, &EstimateRecord::removed);
+    const std::string marks = feature_marks(observation, record, removers) +
+                              line_marks_of(study, trial.record, observation, lines);
     const std::string label = short_name(i);
     const bool has_window = !observation.window.empty() && has_picture;
     drawings.marks += marks;

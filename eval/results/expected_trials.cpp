@@ -74,6 +74,13 @@ std::string why_wrong(const ObservationRecord& o) {
   return "is found, but at no finite pixel";
 }
 
+std::string why_wrong(const LineRecord& line) {
+  const bool is_line = line.pixel.allFinite() && line.direction.allFinite() &&
+                       line.direction.squaredNorm() > 0 && line.offset_variance_px2 > 0 &&
+                       line.slope_variance > 0 && line.edge >= 0;
+  return is_line ? "" : "has a line without a place, a direction or noise";
+}
+
 // Records by their names, which must be the expected ones in their order.
 template <typename Record>
 std::string why_wrong(std::span<const Record> records, const std::string Record::*name,
@@ -111,6 +118,10 @@ std::string why_wrong(const TrialRecord& trial, const ExpectedTrials& expected) 
   const bool has_pose = std::any_of(estimates.begin(), estimates.end(),
                                     [](const EstimateRecord& e) { return e.is_ok(); });
   if (has_pose && !is_finite(trial.true_cam_from_target)) return "its true pose is not finite";
+  for (const LineRecord& line : trial.lines()) {
+    problem = why_wrong(line);
+    if (!problem.empty()) return fmt::format("{}: {}", line.feature, problem);
+  }
   if (trial.observations().empty() || expected.features.empty()) return "";
   return why_wrong(trial.observations(), &ObservationRecord::feature, expected.features,
                    "observations");

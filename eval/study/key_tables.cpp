@@ -133,7 +133,7 @@ std::vector<Key> described_keys() {
        {},
        "",
        "of an image study: values of a key of a scene's tables, [prior] or [extraction]; of a "
-       "numeric study: of [camera], [noise], [outliers], [poses], [prior] or [solver]"},
+       "numeric study: of [camera], [edges], [noise], [outliers], [poses], [prior] or [solver]"},
       {"sweep",
        "noise_px",
        Described{"none", "numbers"},
@@ -409,6 +409,7 @@ std::vector<KeyText> study_keys() {
   Start start = Start::kPrior;
   SolverOptions options;
   NoiseLaw noise;
+  SeenEdges seen_edges;
   bool is_sigma_known = false;
   bool estimates_scale = false;
   SightingSource source;
@@ -425,7 +426,7 @@ std::vector<KeyText> study_keys() {
        {described_keys(), point_keys(pairs), dataset_keys(source, bits), keys_of(setup.prior),
         extraction_keys(setup, bias_mesh_fraction), bound_keys(has_image_bound),
         solver_keys(start, options), sigma_keys(is_sigma_known), scale_keys(estimates_scale),
-        noise_keys(noise), keys_of(planted), axis_keys(), limit_keys(limits), keys_of(observations),
+        noise_keys(noise), keys_of(planted), keys_of(seen_edges), axis_keys(), limit_keys(limits), keys_of(observations),
         keys_of(estimates), keys_of(solver_process), keys_of(extractor_process)}) {
     for (KeyText& text : texts_of(keys, "")) all.push_back(std::move(text));
   }

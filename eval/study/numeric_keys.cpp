@@ -18,7 +18,7 @@ namespace sightline {
 namespace {
 
 // Tables whose keys can be swept.
-const std::vector<std::string> kSweptOfNumeric = {"camera", "noise", "outliers",
+const std::vector<std::string> kSweptOfNumeric = {"camera", "edges", "noise", "outliers",
                                                   "poses",  "prior", "solver"};
 
 // A model replaces the law: features fail as they did in one of its trials.
@@ -68,6 +68,7 @@ NumericSetup read_numeric_setup(const TomlTable& table, const NumericStudy& stud
   table.table("solver").has("inputs");  // which is read for all set-ups
   read_keys(table, noise_keys(setup.noise));
   read_keys(table, keys_of(setup.planted));
+  read_keys(table, keys_of(setup.edges));
   const TomlTable outliers = table.table("outliers");
   if (outliers.has("model")) read_model(outliers, study, setup.planted);
   return setup;

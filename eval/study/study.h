@@ -22,6 +22,7 @@
 #include "eval/doors/trial_solver.h"
 #include "eval/study/label_limits.h"
 #include "eval/study/planted.h"
+#include "eval/study/seen_edges.h"
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
 #include "pose/robust_alignment.h"
@@ -187,6 +188,7 @@ struct NumericSetup {
   PriorError prior;
   NoiseLaw noise;
   PlantedOutliers planted;
+  SeenEdges edges;
   bool is_sigma_known = false;  ///< the solvers are told the noise applied
   Start start = Start::kFree;
   SolverOptions options;

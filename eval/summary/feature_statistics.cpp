@@ -3,6 +3,7 @@
 #include "eval/summary/feature_statistics.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -18,6 +19,29 @@ void FeatureCounts::add(const TrialRecord& trial) {
   fewest_inliers = trials == 0 ? inliers : std::min(fewest_inliers, inliers);
   few_inliers += inliers < kFewFeatures;
   ++trials;
+}
+
+void LineCounts::add(const TrialRecord& trial) {
+  ++trials;
+  for (const LineRecord& line : trial.lines()) {
+    ++lines;
+    if (!line.is_right()) continue;
+    ++right;
+    right_squares += line.error_sigmas * line.error_sigmas;
+    right_numbers += std::isfinite(line.slope_variance) ? 2 : 1;
+  }
+}
+
+void LineCounts::add(const LineCounts& other) {
+  trials += other.trials;
+  lines += other.lines;
+  right += other.right;
+  right_squares += other.right_squares;
+  right_numbers += other.right_numbers;
+}
+
+double LineCounts::rms_sigmas() const {
+  return std::sqrt(right_squares / static_cast<double>(right_numbers));
 }
 
 void FeatureStatistics::Feature::add(const ObservationRecord& observation) {
@@ -92,6 +116,7 @@ void FeatureStatistics::add(const TrialRecord& trial) {
     over_all_[here].localisation.add(observation);
     cell.kinds[static_cast<size_t>(kinds_[here])].add(observation);
   }
+  cell.lines.add(trial);
   if (!has_images_) return;
   end_trial(cell);
   cell.counts.add(trial);

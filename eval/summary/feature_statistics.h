@@ -42,6 +42,20 @@ struct FeatureCounts {
   void add(const TrialRecord& trial);
 };
 
+/// The lines along edges of one cell.
+struct LineCounts {
+  int64_t trials = 0;
+  int64_t lines = 0;
+  int64_t right = 0;
+  double right_squares = 0;   ///< of the right lines' errors, in units of their own noise
+  int64_t right_numbers = 0;  ///< that these lines state: offset, and slope where it is known
+
+  void add(const TrialRecord& trial);
+  void add(const LineCounts& other);
+  /// Root mean square of a right line's error in its own sigmas, one number: 1 is honest.
+  double rms_sigmas() const;
+};
+
 inline constexpr int kFewFeatures = 5;  ///< the paper has five: with fewer no outlier shows
 
 /// What became of features, gathered in one pass over the trials: by feature in each cell and over
@@ -67,6 +81,8 @@ class FeatureStatistics {
   Localisation of_kind(int condition, FeatureKind kind) const;
   const FeatureCounts& counts(int condition) const { return cell(condition).counts; }
 
+  const LineCounts& lines(int condition) const { return cell(condition).lines; }
+
   /// The study's, in its order.
   const std::vector<std::string>& features() const { return names_; }
 
@@ -89,6 +105,7 @@ class FeatureStatistics {
     LocalisationStatistics all;
     std::array<LocalisationStatistics, kFeatureKinds.size()> kinds;
     FeatureCounts counts;
+    LineCounts lines;
   };
 
   Features features_of_study(int condition) const;

@@ -39,6 +39,22 @@ double TrialBounds::noise_px(int condition, const std::string& feature) const {
   return noise_px_[static_cast<size_t>(condition)].at(feature);
 }
 
+Eigen::Matrix2d TrialBounds::covariance_px2(const TrialRecord& trial,
+                                            const std::string& feature) const {
+  const double sd_px = std::max(noise_px(trial.condition, feature), kLeastNoisePx);
+  const NumericStudy* const numeric = study_.numeric();
+  if (numeric != nullptr &&
+      numeric->setup_of(trial.condition).edges.observed != SeenEdges::Observed::kNothing) {
+    const NumericSetup& setup = numeric->setup_of(trial.condition);
+    const auto of_target =
+        std::ranges::find(numeric->target->features, feature, &TargetFeature::name);
+    const auto covariance = corner_covariance_px2(setup.edges, *of_target, setup.camera,
+                                                  trial.true_cam_from_target, sd_px);
+    if (covariance) return *covariance;
+  }
+  return sd_px * sd_px * Eigen::Matrix2d::Identity();
+}
+
 std::optional<TrialBound> TrialBounds::of(const TrialRecord& trial) const {
   if (is_noiseless(trial.condition)) return std::nullopt;
   std::vector<Eigen::Vector3d> points_m;
@@ -47,8 +63,7 @@ std::optional<TrialBound> TrialBounds::of(const TrialRecord& trial) const {
     const auto position = positions_m_.find(o.feature);
     if (!o.is_found() || o.is_outlier || position == positions_m_.end()) continue;
     points_m.push_back(position->second);
-    const double sd_px = std::max(noise_px(trial.condition, o.feature), kLeastNoisePx);
-    covariances_px2.push_back(sd_px * sd_px * Eigen::Matrix2d::Identity());
+    covariances_px2.push_back(covariance_px2(trial, o.feature));
   }
   std::vector<LineObservation> lines;
   for (const LineRecord& line : trial.lines()) {

@@ -44,6 +44,7 @@ class TrialBounds {
 
  private:
   double noise_px(int condition, const std::string& feature) const;
+  Eigen::Matrix2d covariance_px2(const TrialRecord& trial, const std::string& feature) const;
 
   const Study& study_;
   std::map<std::string, Eigen::Vector3d> positions_m_;   // of the target's features

@@ -167,6 +167,24 @@ std::string localisation_block(const Study& study, const FeatureStatistics& stat
        {"", {column("rms / sigma", rows, &Localisation::rms_sigmas, 2)}}});
 }
 
+std::string line_block(const Study& study, const FeatureStatistics& statistics) {
+  TextColumn a_trial{"a trial", {}}, right{"right / %", {}}, sigmas{"rms / sigma", {}};
+  bool has_lines = false;
+  const std::vector<std::string> conditions = condition_labels(study);
+  for (size_t c = 0; c < conditions.size(); ++c) {
+    const LineCounts& lines = statistics.lines(static_cast<int>(c));
+    has_lines = has_lines || lines.lines > 0;
+    const auto count = static_cast<double>(lines.lines);
+    a_trial.cells.push_back(number_text(count / static_cast<double>(lines.trials), 1));
+    right.cells.push_back(percent(static_cast<double>(lines.right) / count));
+    sigmas.cells.push_back(number_text(lines.rms_sigmas(), 2));
+  }
+  if (!has_lines) return "";
+  return text_block(
+      "Lines along edges: how many, right ones, and the error of these in their sigmas", conditions,
+      {{"", {a_trial}}, {"", {right}}, {"", {sigmas}}});
+}
+
 std::string accuracy_block(const Study& study, const FeatureStatistics& statistics) {
   constexpr size_t kFewCells = 4;
   const std::vector<std::string> conditions = condition_labels(study);

@@ -228,7 +228,7 @@ std::string sweep_of_nuisances(const Study& study, const Summary& summary) {
   const ImageStudy& images = *study.images();
   const bool is_wanted = images.setups.size() > 1 || !images.solving.inputs.empty();
   if (!is_wanted || !summary.extraction) return "";
-  return localisation_block(study, *summary.extraction) +
+  return localisation_block(study, *summary.extraction) + line_block(study, *summary.extraction) +
          accuracy_block(study, *summary.extraction) + failure_block(*summary.extraction) +
          impact_block(study, summary);
 }

@@ -7,6 +7,9 @@
 #include <numbers>
 #include <utility>
 
+#include <Eigen/Cholesky>
+
+#include "eval/records/line_records.h"
 #include "eval/trial/estimates.h"
 #include "eval/trial/labels.h"
 
@@ -66,6 +69,53 @@ double size_by_law(const PlantedOutliers& law, double uniform_px) {
   if (law.law == OutlierLaw::kFixed) return max;
   if (law.law != OutlierLaw::kTailed) return uniform_px;
   return min * max / (max + min - uniform_px);  // the share above a size falls with its inverse
+}
+
+// Features as points where the lines along their edges meet, with the noise that this leaves them.
+// Those whose edges do not meet are missing; where there are lines alone, all are.
+void add_corner_noise(const NumericStudy& study, const NumericSetup& setup, double sd_px,
+                      RandomStream& stream, TrialRecord& trial) {
+  std::vector<ObservationRecord>& records = trial.pose_trial().observations;
+  for (size_t i = 0; i < records.size(); ++i) {
+    const auto covariance = corner_covariance_px2(setup.edges, study.feature(static_cast<int>(i)),
+                                                  setup.camera, trial.true_cam_from_target, sd_px);
+    const double du = stream.normal();
+    const Eigen::Vector2d drawn(du, stream.normal());
+    if (!covariance || !setup.edges.has_points()) {
+      records[i].status = ObservationOutcome::kMissing;
+      continue;
+    }
+    const Eigen::LLT<Eigen::Matrix2d> root(*covariance);
+    records[i].pixel += root.matrixL() * drawn;
+    records[i].error_sigmas = drawn.norm();
+  }
+}
+
+// The edges that are seen as lines, with the noise of their edge pixels.
+std::vector<LineRecord> drawn_lines(const NumericStudy& study, const NumericSetup& setup,
+                                    const Pose& truth, double sd_px, RandomStream& stream) {
+  std::vector<LineRecord> lines;
+  for (const SeenEdge& seen :
+       seen_lines(setup.edges, *study.target, study.features, setup.camera, truth)) {
+    const TargetFeature& feature = study.target->features[seen.feature];
+    const Edge& edge = feature.edges[static_cast<size_t>(seen.edge)];
+    const Eigen::Vector2d begin = project(setup.camera, truth * edge.begin_m).value();
+    const Eigen::Vector2d end = project(setup.camera, truth * edge.end_m).value();
+    const Eigen::Vector2d direction = (end - begin).normalized();
+    const Eigen::Vector2d normal(-direction.y(), direction.x());
+    const Eigen::Matrix2d covariance = covariance_of_edge_pixels(seen.length_px, 1, sd_px);
+    const double offset = stream.normal(), slope = stream.normal();
+    LineRecord& line = lines.emplace_back();
+    line.feature = feature.name;
+    line.edge = seen.edge;
+    line.offset_px = -std::sqrt(covariance(0, 0)) * offset;
+    line.pixel = (begin + end) / 2 - line.offset_px * normal;
+    line.direction = (direction + std::sqrt(covariance(1, 1)) * slope * normal).normalized();
+    line.offset_variance_px2 = covariance(0, 0);
+    line.slope_variance = covariance(1, 1);
+    line.error_sigmas = std::hypot(offset, slope);
+  }
+  return lines;
 }
 
 Eigen::Vector2d drawn_displacement(const PlantedOutliers& law, RandomStream& stream) {
@@ -155,6 +205,16 @@ FoundPoints all_points(const NumericStudy& study, const TrialRecord& record) {
     problem.pixels.push_back(trial.observations[i].pixel);
     found.slots.push_back(static_cast<int>(i));
   }
+  if (setup.edges.observed == SeenEdges::Observed::kNothing) return found;
+  for (const int slot : found.slots) {
+    const auto covariance =
+        corner_covariance_px2(setup.edges, study.feature(slot), setup.camera,
+                              record.true_cam_from_target, study.cells[record.condition].noise_px);
+    problem.covariances_px2.push_back(covariance.value());
+  }
+  for (const LineRecord& line : trial.lines) {
+    problem.lines.push_back(line_of(line, *study.target).value());
+  }
   return found;
 }
 
@@ -181,7 +241,14 @@ TrialRecord run_numeric_trial(const NumericStudy& study, uint64_t seed, int64_t 
         draw_prior(record.true_cam_from_target, setup.camera, setup.prior, prior_stream);
   }
   RandomStream noise_stream(seed, "pixel", index);
-  add_noise(setup.noise, cell.noise_px, noise_stream, trial.observations);
+  if (setup.edges.observed == SeenEdges::Observed::kNothing) {
+    add_noise(setup.noise, cell.noise_px, noise_stream, trial.observations);
+  } else {
+    add_corner_noise(study, setup, cell.noise_px, noise_stream, record);
+    RandomStream line_stream(seed, "lines", index);
+    trial.lines =
+        drawn_lines(study, setup, record.true_cam_from_target, cell.noise_px, line_stream);
+  }
   RandomStream outlier_stream(seed, "outliers", index);
   const int outliers = drawn_count(study, cell, seed, index);
   plant_outliers(study, setup.planted, outliers, outlier_stream, trial.observations);

@@ -287,7 +287,7 @@ TEST_F(ForeignSet, TakesPriorsFromAFile) {
   with_priors.priors = folder_.write("behind.csv", kHeader + line_of(3, 0.9, near));
   const Outcome behind = evaluate("--object 4 --solvers lspe --quiet --set dataset.priors=" +
                                   with_priors.priors.string() + "2");
-  EXPECT_THAT(behind.output, HasSubstr("behind.csv2: cannot be read"));
+  EXPECT_THAT(behind.output, HasSubstr("behind.csv2: is missing or cannot be read"));
   fs::remove_all(folder_.path() / "out");
   evaluate("--object 4 --solvers lspe --quiet --prior " + with_priors.priors.string());
   EXPECT_THAT(read_whole(folder_.path() / "out/results.csv"), Not(HasSubstr("lspe,ok")));

@@ -124,6 +124,24 @@ TEST(Outline, OfWhatCannotBeImagedIsEmpty) {
   EXPECT_TRUE(target_outline(renderer, scene, behind).empty());
 }
 
+TEST(ObservedLine, IsDrawnAlongItsEdgePixelsAndStruckOutWhereRemoved) {
+  EdgeLine found;
+  found.line.point = {400, 20};  // where it errs independently of a feature, far off
+  for (const double u : {10.0, 20.0, 30.0}) found.line.edge_pixels.emplace_back(u, 20);
+  LineRecord record;
+  record.feature = "fin_tip";
+  record.edge = 1;
+  record.offset_px = -0.25;
+  record.error_sigmas = 1.5;
+  const std::string kept = observed_line_mark(found, record, {});
+  EXPECT_THAT(kept, testing::HasSubstr("M10 20L30 20"));
+  EXPECT_THAT(kept, testing::HasSubstr("fin_tip, edge 1: right line, 0.25 px and 1.5"));
+  EXPECT_THAT(kept, testing::Not(testing::HasSubstr("layer-removed")));
+  const std::string removed = observed_line_mark(found, record, {"consensus"});
+  EXPECT_THAT(removed, testing::HasSubstr("layer-removed"));
+  EXPECT_THAT(removed, testing::HasSubstr("fin_tip, edge 1: removed by consensus"));
+}
+
 TEST(ResidualPicture, TellsDarkerFromBrighterAndNeitherFromWhatIsNotCompared) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const auto picture_of_residual = [](float sds) {

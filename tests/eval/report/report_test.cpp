@@ -76,8 +76,8 @@ SmallReport small_sweep() {
   SmallReport report;
   NumericStudy numeric;
   static_cast<PoseStudy&>(numeric) = *report.study.images();
-  numeric.poses = report.study.images()->pose_law();
-  numeric.camera = report.study.images()->camera_of(0);
+  numeric.setups[0].poses = report.study.images()->pose_law();
+  numeric.setups[0].camera = report.study.images()->camera_of(0);
   numeric.cells.resize(report.study.conditions.size());
   report.study.kind = std::move(numeric);
   report.study.claim = "It is <small>.";

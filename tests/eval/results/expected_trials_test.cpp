@@ -98,6 +98,8 @@ TEST_F(ExpectedTrialsTest, SayWhatTheyAreNot) {
   expect("orpe: its missed_outliers is -1", [&](auto& t) { first(t).missed_outliers = -1; });
   expect("orpe: its pose has what is no finite number",
          [&](auto& t) { first(t).cam_from_target.translation.x() = kNotANumber; });
+  expect("fin_tip: has a line without a place, a direction or noise",
+         [](auto& t) { t.pose_trial().lines[0].offset_variance_px2 = 0; });
   expect("its true pose is not finite",
          [](auto& t) { t.true_cam_from_target.rotation(0, 0) = kNotANumber; });
 }

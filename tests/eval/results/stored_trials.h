@@ -207,11 +207,12 @@ inline TrialRecord drawn_trial(int64_t number) {
     line.feature = feature;
     line.edge = static_cast<int>(3 * random.uniform());
     line.label = random.uniform() < 0.5 ? LineLabel::kRight : LineLabel::kWrong;
-    for (double* value : {&line.pixel.x(), &line.pixel.y(), &line.direction.x(),
-                          &line.direction.y(), &line.offset_variance_px2,
-                          &line.offset_slope_covariance, &line.offset_px, &line.error_sigmas}) {
+    for (double* value :
+         {&line.pixel.x(), &line.pixel.y(), &line.direction.x(), &line.direction.y(),
+          &line.offset_slope_covariance, &line.offset_px, &line.error_sigmas}) {
       *value = random.normal();
     }
+    line.offset_variance_px2 = 0.1 + random.uniform();
     line.slope_variance = std::numeric_limits<double>::infinity();
   }
   for (const char* solver : {"orpe", "lspe"}) {

@@ -135,6 +135,50 @@ TEST_F(Solve, GivesAllPosesWhereAsked) {
                                   HasSubstr("points removed        2 (0, 1)")));
 }
 
+// Twelve edges, of each two pixels of its line; `shifted` of them lies 15 px off.
+std::string line_rows(const Camera& camera, const Pose& truth, int shifted) {
+  RandomStream stream(2, "lines", 0);
+  std::string text = "X1 Y1 Z1 X2 Y2 Z2 u1 v1 u2 v2 sigma\n";
+  for (int i = 0; i < 12; ++i) {
+    const auto coordinate = [&] { return stream.uniform(-1, 1); };
+    const Eigen::Vector3d a(coordinate(), coordinate(), coordinate());
+    const Eigen::Vector3d b(coordinate(), coordinate(), coordinate());
+    const double off = i == shifted ? 15 : 0;
+    const Eigen::Vector2d u = project(camera, truth * (0.9 * a + 0.1 * b)).value();
+    const Eigen::Vector2d v = project(camera, truth * (0.2 * a + 0.8 * b)).value();
+    text += fmt::format("{} {} {} {} {} {} {} {} {} {} 0.3\n", a.x(), a.y(), a.z(), b.x(), b.y(),
+                        b.z(), u.x() + off, u.y() + off, v.x() + off, v.y() + off);
+  }
+  return text;
+}
+
+TEST_F(Solve, TakesLinesBesidePointsOrAlone) {
+  const Camera camera = read_camera_file(camera_file_);
+  const std::string lines = folder_.write("lines.txt", line_rows(camera, truth_, 3)).string();
+  const json both =
+      json::parse(solve(points_file(0.3), "--lines " + lines + " --sigma 0.3 --json").output);
+  EXPECT_EQ(both["status"], "ok");
+  EXPECT_EQ(both["removed_lines"], json::array({3}));
+  EXPECT_EQ(both["removed"], json::array({0, 1}));
+  const std::string right = folder_.write("right.txt", line_rows(camera, truth_, -1)).string();
+  const Outcome alone = run("solve --camera " + camera_file_ + " --lines " + right);
+  EXPECT_EQ(alone.exit_code, 0);
+  EXPECT_THAT(alone.output, HasSubstr("12 of 12"));
+  EXPECT_THAT(alone.output, HasSubstr("lines kept"));
+}
+
+TEST_F(Solve, SaysWhatIsNoLineInOneLine) {
+  const std::string one_pixel =
+      folder_.write("bad.txt", "0 0 0 1 0 0 10 10 20 20\n0 0 0 1 0 0 10 10 10 10\n").string();
+  const Outcome bad = run("solve --camera " + camera_file_ + " --lines " + one_pixel);
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_THAT(bad.output, AllOf(HasSubstr("bad.txt: row 2 is no line"), HasSubstr("must differ")));
+  const Outcome orpe = solve(points_file(0.3), "--solver orpe --lines " + one_pixel);
+  EXPECT_EQ(orpe.exit_code, 1);
+  EXPECT_THAT(orpe.output, HasSubstr("only consensus and lspe use lines"));
+  EXPECT_THAT(run("solve --camera " + camera_file_).output, HasSubstr("give a file of points"));
+}
+
 TEST_F(Solve, SolversWithoutTimeForManyPointsSaySo) {
   std::string rows;
   for (int i = 0; i < 400; ++i)

@@ -89,7 +89,7 @@ TEST(Silhouette, OfAPointInsideItsOutlineIsTheDistanceToThat) {
 TEST(Silhouette, IsSaidOfEveryFeature) {
   TargetArguments arguments;
   arguments.target = "boeing707";
-  const std::string text = report_target(arguments);
+  const std::string text = report_target(arguments).text;
   EXPECT_NE(text.find("feature                         views  median px  max px"),
             std::string::npos);
   EXPECT_NE(text.find("\nnose                              "), std::string::npos);

@@ -88,5 +88,55 @@ TEST(Lines, ThatLieOffTheirEdgeAreWrong) {
   }
 }
 
+// Of a study cube-lines: the mean NEES of consensus, the mean bound, and the trials.
+struct CubeLines {
+  double nees = 0;
+  double bound_deg = 0;
+  double error_deg = 0;
+  std::vector<TrialRecord> trials;
+};
+
+CubeLines cube_lines(const std::string& observed) {
+  constexpr int kTrials = 120;
+  const Study study = read_study(
+      "cube-lines", {.trials = kTrials,
+                     .seed = 2,
+                     .set = {"sweep={}", "noise.pixel_px=1", "edges.observed='" + observed + "'"}});
+  const TrialBounds bounds(study);
+  CubeLines out;
+  for (int64_t i = 0; i < kTrials; ++i) {
+    out.trials.push_back(run_numeric_trial(study, i));
+    const EstimateRecord& estimate = out.trials.back().estimates()[0];
+    EXPECT_TRUE(estimate.is_ok());
+    out.nees += estimate.nees.value() / kTrials;
+    out.bound_deg += bounds.of(out.trials.back()).value().geodesic_deg / kTrials;
+    out.error_deg += estimate.geodesic_deg / kTrials;
+  }
+  return out;
+}
+
+TEST(CubeLines, WhatIsObservedIsToldWithItsNoise) {
+  // A mean of 120 chi-squared numbers of 6 degrees of freedom errs by 0.3.
+  for (const char* observed : {"points", "lines", "both"}) {
+    EXPECT_NEAR(cube_lines(observed).nees, 6, 1.2) << observed;
+  }
+}
+
+TEST(CubeLines, PointsLoseWhatTheirReachLeaves) {
+  const CubeLines points = cube_lines("points"), lines = cube_lines("lines"),
+                  both = cube_lines("both");
+  EXPECT_TRUE(points.trials[0].lines().empty());
+  EXPECT_FALSE(points.trials[0].observations()[0].status == ObservationOutcome::kMissing);
+  EXPECT_EQ(lines.trials[0].lines().size(), 12U);
+  EXPECT_TRUE(lines.trials[0].observations()[0].status == ObservationOutcome::kMissing);
+  EXPECT_LT(both.bound_deg, points.bound_deg);
+  EXPECT_LT(lines.bound_deg, both.bound_deg) << "all that the edge pixels say";
+  EXPECT_LT(lines.error_deg, points.error_deg);
+  for (const LineRecord& line : lines.trials[0].lines()) {
+    EXPECT_TRUE(line.is_right());
+    EXPECT_LT(line.error_sigmas, 6);
+  }
+}
+
 }  // namespace
 }  // namespace sightline

@@ -63,7 +63,7 @@ TEST(Passes, OnePassLooksAroundThePrior) {
   const auto look = [&](int passes) {
     ImageStudy images = *study.images();
     images.setups.front().passes = passes;
-    return extract(images, trial.record, trial.scene, trial.frame.image, renderer);
+    return extract(images, trial.record, trial.scene, trial.frame, renderer);
   };
   const auto off_deg = [&](const Extraction& extraction) {
     return geodesic_angle_rad(extraction.cam_from_target.rotation,
@@ -131,11 +131,11 @@ TEST(Passes, APassThatFindsLessThanHalfIsDropped) {
     const Trial trial = run_trial(study, i, renderer);
     Scene empty = trial.scene;
     empty.cam_from_target.translation *= 50;
-    const cv::Mat image = renderer.render(empty, RandomStream(1, "sensor", i)).image;
+    const Frame frame = renderer.render(empty, RandomStream(1, "sensor", i));
     const auto look = [&](int passes) {
       ImageStudy images = *study.images();
       images.setups.front().passes = passes;
-      return extract(images, trial.record, trial.scene, image, renderer);
+      return extract(images, trial.record, trial.scene, frame, renderer);
     };
     const Extraction one = look(1), two = look(2);
     EXPECT_GE(2 * found_in(two), found_in(one)) << i;

@@ -63,7 +63,7 @@ TEST(Imaging, ACalibrationStandsForAllOtherKeys) {
   EXPECT_THAT(error("file = \"cameras.txt\"\nf_px = 3\n"),
               HasSubstr("f_px cannot stand beside file"));
   EXPECT_THAT(error("file = \"cameras.txt#4\"\n"), HasSubstr("has no camera 4"));
-  EXPECT_THAT(error("file = \"none.txt\"\n"), HasSubstr("none.txt: cannot be read"));
+  EXPECT_THAT(error("file = \"none.txt\"\n"), HasSubstr("none.txt: is missing or cannot be read"));
 }
 
 TEST(Imaging, TheTruthNamesTheLensUnlessItIsAsMost) {

@@ -43,7 +43,8 @@ TEST(SceneLaw, EveryKeyThatIsListedIsKnownToTheReader) {
   for (const KeyText& key : scene_keys()) {
     if (key.table == "poses" || key.table == "poses.fixed" || key.table == "camera") continue;
     const bool is_other = key.table == "other";
-    const std::string heading = is_other ? "[[other]]\n" : "[" + key.table + "]\n";
+    const bool is_list = is_other || key.table == "lamp";
+    const std::string heading = is_list ? "[[" + key.table + "]]\n" : "[" + key.table + "]\n";
     const std::string target = is_other && key.name != "target" ? "target = \"cube\"\n" : "";
     const std::string error = law_error(heading + target + key.name + " = {}\n");
     EXPECT_THAT(error, HasSubstr(key.table)) << key.name;
