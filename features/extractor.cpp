@@ -160,6 +160,7 @@ Observation observe(const cv::Mat& image, const PredictedView& view,
   if (options.is_gated && observation.status == ObservationStatus::kFound &&
       !is_within_search(input, observation.pixel)) {
     observation.status = ObservationStatus::kOutsideWindow;
+    observation.edge_lines.clear();  // they were laid through it
   }
   return observation;
 }

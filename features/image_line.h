@@ -28,7 +28,7 @@ double offset_variance_px2(const ImageLine& line, const Eigen::Vector2d& pixel);
 
 /// What a line says that the offset at a pixel, abreast of which it is taken, does not: its offset
 /// at the place along it where the two err independently. None where that is farther from the
-/// line's own edge pixels than `most_px`: the slope is hardly known then.
+/// line's point than `most_px`: the slope is hardly known then.
 std::optional<ImageLine> beyond_offset_at(const ImageLine& line, const Eigen::Vector2d& pixel,
                                           double most_px);
 

@@ -187,10 +187,8 @@ ImageLine image_line(const ExtractionInput& input, const PredictedEdge& edge,
   line.covariance = fit.covariance;
   const double floor = floor_px(input, edge, line.contrast_grey, polarity);
   line.covariance(0, 0) += floor * floor;
-  // ImageLine counts offsets along its direction turned by a right angle.
-  const bool is_turned =
-      edge.normal.dot(Eigen::Vector2d(-edge.direction.y(), edge.direction.x())) < 0;
-  if (is_turned) line.covariance(0, 1) = line.covariance(1, 0) = -line.covariance(0, 1);
+  // Where the edge's normal is the direction turned the other way round, offset and slope both change
+  // their sign, and their covariance does not.
   for (const ChosenPeak& chosen : fit.peaks) {
     const double along_px = profile.pivot_px + profile.at_px[chosen.sample];
     line.edge_pixels.push_back(edge.begin + along_px * edge.direction +

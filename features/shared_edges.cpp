@@ -3,6 +3,7 @@
 #include "features/shared_edges.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace sightline {
 namespace {

@@ -25,11 +25,15 @@ Eigen::Matrix2d covariance_of_edge_pixels(double length_px, double pixels_per_px
 }
 
 bool is_usable(const LineObservation& line) {
+  constexpr double kLargest = 1e60;  // coordinates beyond it, or their products, are no numbers
   const Eigen::Matrix2d& c = line.covariance;
-  const bool is_finite = line.begin_in_target.allFinite() && line.end_in_target.allFinite() &&
-                         line.pixel.allFinite() && line.direction.allFinite();
-  const bool has_length =
-      line.begin_in_target != line.end_in_target && line.direction.squaredNorm() > 0;
+  const auto is_manageable = [kLargest](const auto& v) {
+    return (v.array().abs() < kLargest).all();
+  };
+  const bool is_finite = is_manageable(line.begin_in_target) && is_manageable(line.end_in_target) &&
+                         is_manageable(line.pixel) && is_manageable(line.direction);
+  const bool has_length = (line.end_in_target - line.begin_in_target).squaredNorm() > 0 &&
+                          line.direction.squaredNorm() > 0;
   const bool is_slope_known = std::isfinite(c(1, 1));
   const bool is_noise = c(0, 0) > 0 && std::isfinite(c(0, 0)) && c(1, 1) > 0 && c(0, 1) == c(1, 0);
   if (!is_finite || !has_length || !is_noise) return false;

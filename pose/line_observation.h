@@ -31,7 +31,8 @@ LineObservation line_through(const Eigen::Vector2d& begin_px, const Eigen::Vecto
 /// integrals.
 Eigen::Matrix2d covariance_of_edge_pixels(double length_px, double pixels_per_px, double sigma_px);
 
-/// Whether a line can be used: its numbers are finite, the edge has a length, the direction is not
+/// Whether a line can be used: its numbers are finite, and not so large that products of them are
+/// not, the edge has a length, the direction is not
 /// zero, and the covariance is that of noise.
 bool is_usable(const LineObservation& line);
 

@@ -83,7 +83,8 @@ struct PoseEstimate {
   Pose cam_from_target;      ///< meaningful only with status kOk
   std::vector<int> removed;  ///< indices of points judged outliers, ascending; for status kOk
   /// Covariance of (w, dt), cam_from_target = (Exp(w) R, t + dt), radians and metres, for unit
-  /// pixel noise on the points as the solver weighed them (those that remove: on the kept ones).
+  /// pixel noise on the points as the solver weighed them (those that remove: on the kept ones);
+  /// with lines for noise as large as is stated.
   /// From the comparators (pose/robust.h), where there are covariances, for noise of those.
   Matrix6d unit_covariance = Matrix6d::Zero();
   /// Covariance of (w, dt) as the solver itself believes it, noise of its true size and doubt about
@@ -106,10 +107,10 @@ struct PoseEstimate {
   /// one (orpe_weighed may say so without one).
   std::optional<Pose> second_cam_from_target;
   /// The standard deviation of an inlier's noise in each coordinate, as the solver was told or
-  /// found it; with covariances in their units. Only from consensus and orpe_consensus.
+  /// found it; with covariances or lines in their units. Only from consensus and orpe_consensus.
   std::optional<double> noise_px;
   /// Root mean square of the residuals of the points that are kept, in each coordinate; with
-  /// covariances in their units.
+  /// covariances or lines in their units.
   std::optional<double> residual_rms_px;
 };
 

@@ -133,7 +133,9 @@ using Method = std::function<Pose(const PoseCase&)>;
 
 Method ours(const char* solver) {
   return [solver = find_pose_solver(solver)](const PoseCase& c) {
-    return solver->solve(c.problem, {.is_judged = false}).cam_from_target;
+    SolverOptions options;
+    options.is_judged = false;
+    return solver->solve(c.problem, options).cam_from_target;
   };
 }
 

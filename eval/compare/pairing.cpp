@@ -3,14 +3,13 @@
 #include "eval/compare/pairing.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 
 #include "eval/results/expected_trials.h"
 #include "eval/results/store.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
@@ -141,9 +140,9 @@ std::optional<std::string> study_as_run(const ComparedRun& run, const fs::path& 
     const auto text = meta.find("study_toml");
     if (text != meta.end()) return text->second;
   }
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) return std::nullopt;
-  return std::string{std::istreambuf_iterator<char>(stream), {}};
+  std::error_code error;
+  if (!fs::exists(file, error)) return std::nullopt;
+  return read_input_file(file, kMostTextBytes);
 }
 
 }  // namespace

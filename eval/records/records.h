@@ -47,7 +47,9 @@ struct LineRecord {
   double offset_variance_px2 = 0;
   double offset_slope_covariance = 0;  ///< px rad
   double slope_variance = 0;           ///< rad^2; infinite where the slope is not known
-  double offset_px = 0;                ///< of the edge's true image at the pixel, along the normal
+  /// Of the edge's true image from the line, along its normal, amid the edge pixels it was found
+  /// by.
+  double offset_px = 0;
   double error_sigmas = std::numeric_limits<double>::quiet_NaN();  ///< of offset and slope together
 
   bool is_right() const { return label == LineLabel::kRight; }
@@ -258,7 +260,8 @@ inline constexpr std::array kLineFields = {
                       &LineRecord::offset_slope_covariance},
     Field<LineRecord>{"slope_variance", "rad^2", "infinite where the slope is not known",
                       &LineRecord::slope_variance},
-    Field<LineRecord>{"offset_px", "px", "of the edge's true image from the line, at the pixel",
+    Field<LineRecord>{"offset_px", "px",
+                      "of the edge's true image from the line, amid its edge pixels",
                       &LineRecord::offset_px},
     Field<LineRecord>{"error_sigmas", "sigma", "of offset and slope together",
                       &LineRecord::error_sigmas},

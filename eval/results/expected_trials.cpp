@@ -205,6 +205,10 @@ ExpectedTrials expected_trials(const Store& store, int64_t conditions,
     throw InputError(fmt::format("{}: says that it is of '{}' trials, must be a whole number",
                                  store.file().string(), text.substr(0, 40)));
   }
+  if (conditions < 1) {
+    throw InputError(
+        fmt::format("{}: its summary speaks of no condition", store.file().string()));
+  }
   return {.count = std::stoll(text),
           .shard = shard_of(store, meta),
           .conditions = conditions,

@@ -47,6 +47,8 @@ nlohmann::json manifest_of(const Study& study, const std::string& command) {
 }
 
 nlohmann::json read_manifest(const fs::path& run) {
+  std::error_code error;
+  if (!fs::is_regular_file(run / kManifestFile, error)) return nlohmann::json::value_t::discarded;
   std::ifstream stream(run / kManifestFile);
   return nlohmann::json::parse(stream, nullptr, /*allow_exceptions=*/false);
 }

@@ -151,6 +151,7 @@ std::string text_of(const PoseProblem& problem, const PoseEstimate& estimate) {
 
 std::string json_of(const PoseProblem& problem, const PoseEstimate& estimate) {
   Json json = {{"status", to_string(estimate.status)}, {"ignored", estimate.ignored}};
+  if (!problem.lines.empty()) json["ignored_lines"] = estimate.ignored_lines;
   if (estimate.status == PoseStatus::kOk) {
     const Diagnosis diagnosis = estimate.diagnosis.value_or(Diagnosis{});
     json["cam_from_target"] = pose_json(estimate.cam_from_target);
@@ -158,10 +159,7 @@ std::string json_of(const PoseProblem& problem, const PoseEstimate& estimate) {
     if (const auto covariance = covariance_of(problem, estimate)) {
       json["covariance_rad_m"] = matrix_json(*covariance);
     }
-    if (!problem.lines.empty()) {
-      json["removed_lines"] = estimate.removed_lines;
-      json["ignored_lines"] = estimate.ignored_lines;
-    }
+    if (!problem.lines.empty()) json["removed_lines"] = estimate.removed_lines;
     put(json, "inlier_probabilities", estimate.inlier_probabilities);
     put(json, "noise_px", estimate.noise_px);
     put(json, "residual_rms_px", estimate.residual_rms_px);

@@ -426,8 +426,9 @@ std::vector<KeyText> study_keys() {
        {described_keys(), point_keys(pairs), dataset_keys(source, bits), keys_of(setup.prior),
         extraction_keys(setup, bias_mesh_fraction), bound_keys(has_image_bound),
         solver_keys(start, options), sigma_keys(is_sigma_known), scale_keys(estimates_scale),
-        noise_keys(noise), keys_of(planted), keys_of(seen_edges), axis_keys(), limit_keys(limits), keys_of(observations),
-        keys_of(estimates), keys_of(solver_process), keys_of(extractor_process)}) {
+        noise_keys(noise), keys_of(planted), keys_of(seen_edges), axis_keys(), limit_keys(limits),
+        keys_of(observations), keys_of(estimates), keys_of(solver_process),
+        keys_of(extractor_process)}) {
     for (KeyText& text : texts_of(keys, "")) all.push_back(std::move(text));
   }
   return all;

@@ -74,6 +74,16 @@ NumericSetup read_numeric_setup(const TomlTable& table, const NumericStudy& stud
   return setup;
 }
 
+// What has no meaning beside edges is refused.
+void require_edges_alone(const TomlTable& table, const NumericSetup& setup) {
+  if (setup.edges.observed == SeenEdges::Observed::kNothing) return;
+  const TomlTable edges = table.table("edges");
+  if (!is_straight(setup.camera)) edges.fail("observed", "needs a camera without lens and skew");
+  if (setup.noise.tails != NoiseLaw::Tails::kNormal) {
+    edges.fail("observed", "needs noise.law = \"normal\"");
+  }
+}
+
 // The cells of one set-up: its noise and outliers, where these are swept by themselves.
 void add_numeric_cells(const TomlTable& table, const Condition& swept, NumericStudy& study,
                        std::vector<Condition>& conditions) {
@@ -85,11 +95,19 @@ void add_numeric_cells(const TomlTable& table, const Condition& swept, NumericSt
                                 find_key(axis_keys(), "noise.pixel_px").allowed);
   const Axis counts = read_outlier_counts(sweep, outliers, study);
   const int setup = static_cast<int>(study.setups.size()) - 1;
+  require_edges_alone(table, study.setups.back());
   for (const double count : counts.values) {
     const std::string reason = why_not_plantable(
         study.setups.back().planted, static_cast<int>(count), *study.target, study.features);
     if (!reason.empty()) outliers.fail("law", reason);
+    if (count > 0 && !study.setups.back().edges.has_points()) {
+      outliers.fail("count", "must be 0 where edges are lines alone: outliers are points");
+    }
     for (const double noise_px : noises.values) {
+      if (noise_px * scale == 0 &&
+          study.setups.back().edges.observed != SeenEdges::Observed::kNothing) {
+        table.table("edges").fail("observed", "needs edge pixels with noise: noise.pixel_px is 0");
+      }
       const std::array coordinates = {
           Coordinate{noises, "noise_px", fmt::format("{} px", noise_px), noise_px},
           Coordinate{counts, "outliers", fmt::format("{} outlier{}", count, count == 1 ? "" : "s"),

@@ -33,23 +33,24 @@ bool is_same(const Edge& a, const Edge& b) {
 
 std::vector<Key> keys_of(SeenEdges& edges) {
   using Observed = SeenEdges::Observed;
-  return {{"edges",
-           "observed",
-           choice(edges.observed, {{"nothing", Observed::kNothing},
-                                   {"points", Observed::kPoints},
-                                   {"lines", Observed::kLines},
-                                   {"both", Observed::kBoth}}),
-           {},
-           "",
-           "of a numeric study, what its edge pixels become, whose noise then is noise.pixel_px: "
-           "points where lines meet, lines, or both, no edge pixel twice; nothing: features are "
-           "points with that noise"},
-          {"edges",
-           "reach_px",
-           &edges.reach_px,
-           {4, 1000},
-           "px",
-           "of a numeric study: how far along its edges a point is found"}};
+  return {
+      {"edges",
+       "observed",
+       choice(edges.observed, {{"nothing", Observed::kNothing},
+                               {"points", Observed::kPoints},
+                               {"lines", Observed::kLines},
+                               {"both", Observed::kBoth}}),
+       {},
+       "",
+       "of a numeric study, what its edge pixels become, whose noise then is noise.pixel_px: "
+       "points where lines meet, lines, or both, no edge pixel twice, each with its covariance; "
+       "nothing: features are points with that noise"},
+      {"edges",
+       "reach_px",
+       &edges.reach_px,
+       {4, 1000},
+       "px",
+       "of a numeric study: how far along its edges a point is found"}};
 }
 
 std::vector<SeenEdge> seen_lines(const SeenEdges& edges, const Target& target,

@@ -76,6 +76,9 @@ Study read_file(const std::string& name_or_path, const StudyOverrides& overrides
   for (const char* key : {"path", "priors"}) {
     place_beside(fmt::format("dataset.{}", key), as_written.table("dataset").text(key, ""));
   }
+  for (const char* pictures : {"background", "environment"}) {
+    place_beside(fmt::format("{}.file", pictures), as_written.table(pictures).text("file", ""));
+  }
   for (const char* guests : {"observations", "estimates"}) {
     const size_t count = as_written.tables(guests).size();
     for (size_t i = 0; i < count; ++i) {

@@ -32,17 +32,29 @@ std::string text_of(const fs::path& file) {
 }
 
 // The file cut before every line that begins a feature: what stands before them, then one each.
+// Tables that follow the features stand before them afterwards, so that none is lost with one.
 std::vector<std::string> cut_at_features(const std::string& text) {
   std::vector<std::string> pieces(1);
   size_t begin = 0;
+  bool is_in_feature = false;
   while (begin < text.size()) {
     const size_t end = std::min(text.find('\n', begin), text.size() - 1) + 1;
     const std::string line = text.substr(begin, end - begin);
     if (line.starts_with(kFeatureLine)) pieces.emplace_back();
-    pieces.back() += line;
+    if (line.starts_with('[')) {
+      is_in_feature = line.starts_with("[[feature") || line.starts_with("[feature.");
+    }
+    (is_in_feature ? pieces.back() : pieces.front()) += line;
     begin = end;
   }
   return pieces;
+}
+
+// The number of the first added_N that no feature is called.
+size_t free_number(const std::vector<std::string>& names) {
+  size_t number = names.size() + 1;
+  while (std::ranges::find(names, fmt::format("added_{}", number)) != names.end()) ++number;
+  return number;
 }
 
 struct AddedFeature {
@@ -147,7 +159,7 @@ std::string edit_target(const fs::path& file, const TargetEdits& edits) {
     told += fmt::format("dropped    {}\n", name);
   }
   for (size_t i = 0; i < edits.added.size(); ++i) {
-    const AddedFeature added = read_added(edits.added[i], names.size() + 1);
+    const AddedFeature added = read_added(edits.added[i], free_number(names));
     if (std::ranges::find(names, added.name) != names.end()) {
       throw InputError(fmt::format("--add {}: there is a feature of that name", added.name));
     }

@@ -30,7 +30,7 @@ double reprojection_rms_px(const PoseProblem& problem, const PoseEstimate& estim
     sum += (*pixel - problem.pixels[i]).squaredNorm();
     ++count;
   }
-  return count > 0 ? std::sqrt(sum / count) : 0;
+  return count > 0 ? std::sqrt(sum / count) : std::numeric_limits<double>::quiet_NaN();
 }
 
 // Which points a solver judged right and wrong, against the labels.
@@ -81,8 +81,9 @@ void keep_diagnosis(const Diagnosis& diagnosis, EstimateRecord& out) {
 bool is_rigid(const Pose& pose) {
   constexpr double kTolerance = 1e-6;  // of a rotation's numbers, which solvers keep far better
   const Eigen::Matrix3d product = pose.rotation.transpose() * pose.rotation;
-  return pose.translation.allFinite() && product.allFinite() &&
-         product.isApprox(Eigen::Matrix3d::Identity(), kTolerance) &&
+  constexpr double kFarthestM = 1e100;  // whose square is a number still
+  return pose.translation.allFinite() && pose.translation.cwiseAbs().maxCoeff() < kFarthestM &&
+         product.allFinite() && product.isApprox(Eigen::Matrix3d::Identity(), kTolerance) &&
          pose.rotation.determinant() > 0;
 }
 

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The squares of a line's errors at its edge points, in units of its noise: chi-squared with as
-// many degrees of freedom as there are.
+// The errors of a line at its edge points, in units of its noise: the root of a sum that is
+// chi-squared with as many degrees of freedom as there are edge points.
 double error_sigmas(const LineObservation& line, const Camera& camera, const Pose& truth) {
   const auto points = edge_points_of(line, camera);
   if (!points) return kInfinity;
@@ -27,7 +27,19 @@ double error_sigmas(const LineObservation& line, const Camera& camera, const Pos
   return std::sqrt(squares);
 }
 
-double offset_px(LineObservation line, const Camera& camera, const Pose& truth) {
+// The place on a line amid the edge pixels that it was found by.
+Eigen::Vector2d middle_of(const ImageLine& line) {
+  if (line.edge_pixels.empty()) return line.point;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  for (const Eigen::Vector2d& pixel : line.edge_pixels) sum += pixel;
+  const Eigen::Vector2d middle = sum / static_cast<double>(line.edge_pixels.size());
+  return line.point + line.direction.dot(middle - line.point) * line.direction;
+}
+
+// How far the true image of the edge passes a pixel of the line.
+double offset_px(LineObservation line, const Eigen::Vector2d& at, const Camera& camera,
+                 const Pose& truth) {
+  line.pixel = at;
   line.covariance = Eigen::Vector2d(1, kInfinity).asDiagonal();
   const auto points = edge_points_of(line, camera);
   const auto residual = points ? edge_residual((*points)[0], truth) : std::nullopt;
@@ -51,7 +63,7 @@ std::vector<LineRecord> compare_lines(std::span<const Observation> observations,
       record.offset_slope_covariance = found.line.covariance(0, 1);
       record.slope_variance = found.line.covariance(1, 1);
       const LineObservation line = line_of(record, target).value();
-      record.offset_px = offset_px(line, camera, true_cam_from_target);
+      record.offset_px = offset_px(line, middle_of(found.line), camera, true_cam_from_target);
       record.error_sigmas = error_sigmas(line, camera, true_cam_from_target);
       const bool is_wrong = std::abs(record.offset_px) > limits.line_px ||
                             record.error_sigmas > limits.outlier_sigmas ||

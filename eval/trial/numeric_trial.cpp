@@ -176,9 +176,12 @@ void plant_outliers(const NumericStudy& study, const PlantedOutliers& law, int c
     return;
   }
   std::vector<ObservationRecord*> chosen;
-  for (ObservationRecord& record : records) chosen.push_back(&record);
-  draw_to_front(chosen, count, stream);
-  chosen.resize(static_cast<size_t>(count));
+  for (ObservationRecord& record : records) {
+    if (record.is_found()) chosen.push_back(&record);
+  }
+  const int possible = std::min(count, static_cast<int>(chosen.size()));
+  draw_to_front(chosen, possible, stream);
+  chosen.resize(static_cast<size_t>(possible));
   Eigen::Vector2d shift = drawn_displacement(law, stream);
   for (ObservationRecord* record : chosen) {
     record->pixel += shift;
@@ -198,14 +201,16 @@ FoundPoints all_points(const NumericStudy& study, const TrialRecord& record) {
   if (setup.start == Start::kPrior) {
     problem.initial_cam_from_target = trial.prior_cam_from_target;
   }
-  if (setup.is_sigma_known) problem.sigma_px = study.cells[record.condition].noise_px;
+  const bool has_covariances = setup.edges.observed != SeenEdges::Observed::kNothing;
+  if (setup.is_sigma_known && !has_covariances)
+    problem.sigma_px = study.cells[record.condition].noise_px;
   for (size_t i = 0; i < trial.observations.size(); ++i) {
     if (!trial.observations[i].is_found()) continue;
     problem.points_in_target.push_back(study.feature(static_cast<int>(i)).position_m);
     problem.pixels.push_back(trial.observations[i].pixel);
     found.slots.push_back(static_cast<int>(i));
   }
-  if (setup.edges.observed == SeenEdges::Observed::kNothing) return found;
+  if (!has_covariances) return found;
   for (const int slot : found.slots) {
     const auto covariance =
         corner_covariance_px2(setup.edges, study.feature(slot), setup.camera,

@@ -163,6 +163,7 @@ void remove_bias(const Task& task, const cv::Mat& rendering, const PosePrior& po
   const std::vector<Observation> rendered = look(task, rendering, pose, options);
   for (size_t i = 0; i < observations.size(); ++i) {
     Observation& observation = observations[i];
+    observation.edge_lines.clear();  // whose bias is not known
     if (observation.status != ObservationStatus::kFound) continue;
     if (rendered[i].status != ObservationStatus::kFound) {
       observation.status = rendered[i].status;

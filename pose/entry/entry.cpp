@@ -51,6 +51,12 @@ PoseProblem scaled(PoseProblem problem, double scale) {
   for (Eigen::Vector2d& pixel : problem.pixels) pixel *= scale;
   for (Eigen::Matrix2d& covariance : problem.covariances_px2) covariance *= scale * scale;
   problem.sigma_px *= scale;
+  for (LineObservation& line : problem.lines) {
+    line.pixel *= scale;
+    // Of an offset, which is in pixels, and a slope, which is not.
+    line.covariance.row(0) *= scale;
+    line.covariance.col(0) *= scale;
+  }
   return problem;
 }
 
@@ -181,14 +187,23 @@ PoseEstimate answer_in_units(const PoseSolver& solver, const PoseProblem& proble
   return estimate;
 }
 
+/// The same with lines, of which all that is said is in units of their noise.
+PoseEstimate answer_to_lines_in_units(const PoseSolver& solver, const PoseProblem& problem,
+                                      const SolverOptions& options) {
+  return solver.with_lines(scaled(problem, kPixelsPerUnit), scaled(options, kPixelsPerUnit));
+}
+
 }  // namespace
 }  // namespace entry
 
 PoseEstimate PoseSolver::solve(const PoseProblem& problem, const SolverOptions& options) const {
   if (!entry::are_lists_of_one_length(problem)) return {};
-  if (!problem.lines.empty()) {
-    if (with_lines != nullptr) return with_lines(problem, options);
+  if (!problem.lines.empty() && with_lines == nullptr) {
     return solve(lines::points_of(problem), options);
+  }
+  if (!problem.lines.empty()) {
+    if (entry::is_in_pixels(problem.camera)) return with_lines(problem, options);
+    return entry::answer_to_lines_in_units(*this, problem, options);
   }
   if (most_points > 0 && problem.pixels.size() > most_points) {
     PoseEstimate refused;

@@ -57,6 +57,13 @@ void add_lines(const PoseProblem& problem, Joint& joint) {
   }
 }
 
+/// How many numbers the observations say of the pose.
+int numbers_of(const Joint& joint) {
+  int numbers = 0;
+  for (const Observed& observed : joint.observed) numbers += observed.numbers;
+  return numbers;
+}
+
 /// The middle of all that is seen of the target.
 void centre(Joint& joint) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -146,7 +153,8 @@ Eigen::Vector3d position_at(const Joint& joint, const Eigen::Matrix3d& rotation)
 PreparedJoint prepare_joint(const PoseProblem& problem) {
   PreparedJoint prepared;
   Joint& joint = prepared.joint;
-  const std::size_t fewest = problem.initial_cam_from_target ? kFewestFromInitial : kFewest;
+  const std::optional<Pose> initial = consensus::rigid_pose(problem.initial_cam_from_target);
+  const std::size_t fewest = initial ? kFewestFromInitial : kFewest;
   if (problem.pixels.size() + problem.lines.size() < fewest) {
     prepared.status = PoseStatus::kTooFewPoints;
     return prepared;
@@ -162,9 +170,8 @@ PreparedJoint prepare_joint(const PoseProblem& problem) {
   joint.observed.reserve(problem.pixels.size() + problem.lines.size());
   add_points(problem, joint);
   add_lines(problem, joint);
-  if (joint.observed.size() < fewest) return prepared;
+  if (numbers_of(joint) < 2 * static_cast<int>(fewest)) return prepared;
   centre(joint);
-  const std::optional<Pose> initial = consensus::rigid_pose(problem.initial_cam_from_target);
   if (initial) joint.initial_cam_from_centred = to_centred(*initial, joint.points);
   prepared.status = PoseStatus::kOk;
   return prepared;
@@ -208,6 +215,22 @@ kernel::Fit fit(const Joint& joint, std::span<const double> weights, const Pose&
   return kernel::fit(packed.observed(), rigid_from(start), max_iterations, step_tolerance);
 }
 
+kernel::Fit fit_all(const Joint& joint, const Pose& start, int max_iterations,
+                    double step_tolerance, bool& has_all) {
+  kernel::Fit fitted = fit(joint, {}, start, max_iterations, step_tolerance);
+  has_all = fitted.status != kernel::FitStatus::kStartBehindCamera;
+  if (has_all) return fitted;
+  std::vector<double> weights;
+  for (const Observed& observed : joint.observed) {
+    weights.push_back(squares_of(joint, observed, start) ? 1 : 0);
+  }
+  fitted = fit(joint, weights, start, max_iterations, step_tolerance);
+  if (fitted.status != kernel::FitStatus::kConverged) return fitted;
+  const kernel::Fit of_all = fit(joint, {}, pose_from(fitted.pose), max_iterations, step_tolerance);
+  has_all = of_all.status != kernel::FitStatus::kStartBehindCamera;
+  return has_all ? of_all : fitted;
+}
+
 std::optional<Matrix6d> information_at(const Joint& joint, std::span<const double> weights,
                                        const Pose& cam_from_centred) {
   const Packed packed(joint, weights);
@@ -239,7 +262,7 @@ std::vector<Pose> starts_of(const Joint& joint, const PoseEstimate& from_points)
     }
   }
   if (joint.initial_cam_from_centred) starts.push_back(*joint.initial_cam_from_centred);
-  return starts.empty() ? starts_over_attitudes(joint) : starts;
+  return starts;
 }
 
 PoseProblem points_of(PoseProblem problem) {

@@ -53,8 +53,9 @@ struct PreparedJoint {
   Joint joint;
 };
 
-/// kTooFewPoints where there are fewer than kFewest observations (kFewestFromInitial), kDegenerate
-/// where fewer can be used or the camera has no positive focal length.
+/// kTooFewPoints where there are fewer than kFewest observations (with a usable initial pose
+/// kFewestFromInitial), kDegenerate where those that can be used say fewer than twice as many
+/// numbers, or the camera has no positive focal length.
 PreparedJoint prepare_joint(const PoseProblem& problem);
 
 /// The spread of the pixels, px, by which an outlier's error is measured
@@ -71,6 +72,11 @@ std::optional<double> squares_of(const Joint& joint, const Observed& observed,
 kernel::Fit fit(const Joint& joint, std::span<const double> weights, const Pose& start,
                 int max_iterations, double step_tolerance);
 
+/// Least squares on all observations from one start. Those that have no residual there take no part
+/// at first; then all do, if they have one where that leads. `has_all` says whether they had.
+kernel::Fit fit_all(const Joint& joint, const Pose& start, int max_iterations,
+                    double step_tolerance, bool& has_all);
+
 /// The sum of J^T W J at a pose. None where an observation of weight other than zero has no
 /// residual.
 std::optional<Matrix6d> information_at(const Joint& joint, std::span<const double> weights,
@@ -80,8 +86,9 @@ std::optional<Matrix6d> information_at(const Joint& joint, std::span<const doubl
 /// to start when nothing else says where the target is.
 std::vector<Pose> starts_over_attitudes(const Joint& joint);
 
-/// The poses to start from, as cam_from_centred: the initial one and `from_points`, an answer to
-/// the points alone; where there is neither, starts_over_attitudes.
+/// The poses that say where the target is, as cam_from_centred: `from_points`, an answer to the
+/// points alone, and the initial one. Where there is neither, or they lead nowhere, there are
+/// starts_over_attitudes.
 std::vector<Pose> starts_of(const Joint& joint, const PoseEstimate& from_points);
 
 /// The problem without its lines.

@@ -219,7 +219,7 @@ class MixtureFit {
 void add_triples(const Joint& joint, const Pose& start, std::vector<Pose>& poses) {
   const int n = static_cast<int>(joint.observed.size());
   const int all = n * (n - 1) * (n - 2) / 6;
-  const int stride = std::max(1, all / kMostTriples);
+  const int stride = (all + kMostTriples - 1) / kMostTriples;
   int index = 0;
   std::vector<double> weights(joint.observed.size(), 0);
   for (int a = 0; a < n; ++a) {
@@ -238,15 +238,15 @@ void add_triples(const Joint& joint, const Pose& start, std::vector<Pose>& poses
   }
 }
 
-/// Too many for triples that are more than a sample of them: the points' answer is good then.
-constexpr std::size_t kMostForTriples = 40;
+/// Of more observations even counting the triples takes longer than all else.
+constexpr std::size_t kMostForTriples = 200;
 
-/// Where it begins; with nothing to lead it, at what least squares makes of all attitudes.
-std::vector<Pose> first_hypotheses(const Joint& joint, const PoseEstimate& from_points) {
-  std::vector<Pose> poses = starts_of(joint, from_points);
-  if (from_points.status == PoseStatus::kOk || joint.initial_cam_from_centred) return poses;
+/// With nothing to lead it: what least squares makes of all attitudes.
+std::vector<Pose> free_hypotheses(const Joint& joint) {
+  std::vector<Pose> poses = starts_over_attitudes(joint);
   for (Pose& pose : poses) {
-    const kernel::Fit fitted = fit(joint, {}, pose, 50, kStepTolerance);
+    bool has_all = false;
+    const kernel::Fit fitted = fit_all(joint, pose, 50, kStepTolerance, has_all);
     if (fitted.status == kernel::FitStatus::kConverged) pose = pose_from(fitted.pose);
   }
   return poses;
@@ -357,7 +357,8 @@ Diagnosis diagnosis_of(const Joint& joint, const Mode& mode, const Kept& kept,
   const double odds_a_number = kept.numbers > 0 ? kept.log_odds / kept.numbers : 0;
   constexpr double kLeastLogOdds = 7;  // one of a thousand
   diagnosis.is_significant =
-      redundant > 0 && redundant * odds_a_number - std::log(double(hypotheses)) > kLeastLogOdds;
+      redundant > 0 &&
+      redundant * odds_a_number - std::log(static_cast<double>(hypotheses)) > kLeastLogOdds;
   return diagnosis;
 }
 
@@ -386,11 +387,20 @@ PoseEstimate solve_consensus(const PoseProblem& problem, const SolverOptions& op
   if (estimate.status != PoseStatus::kOk) return estimate;
   const double false_alarm_rate = options.outliers.false_alarm_rate;
   std::vector<Pose> poses =
-      first_hypotheses(joint, sightline::solve_consensus(points_of(problem), options));
+      starts_of(joint, sightline::solve_consensus(points_of(problem), options));
   std::vector<Mode> modes = modes_of(joint, poses);
-  if (!poses.empty() && (modes.empty() || !explains_all(joint, modes[0], false_alarm_rate))) {
+  const auto look_further = [&] {
+    if (poses.empty() || (!modes.empty() && explains_all(joint, modes[0], false_alarm_rate))) {
+      return;
+    }
     poses = more_hypotheses(joint, std::move(poses));
     modes = modes_of(joint, poses);
+  };
+  look_further();
+  if (modes.empty()) {
+    poses = free_hypotheses(joint);
+    modes = modes_of(joint, poses);
+    look_further();
   }
   estimate.status = PoseStatus::kDegenerate;
   if (modes.empty()) return estimate;

@@ -5,7 +5,7 @@
 
 #include "pose/lines/joint.h"
 #include "pose/minimise.h"
-#include "pose/solvers/solvers.h"
+#include "pose/solver.h"
 
 namespace sightline::lines {
 namespace {
@@ -30,17 +30,21 @@ std::optional<kernel::Fit> best_fit(const Joint& joint, const PoseProblem& probl
                                     const SolverOptions& options, int& iterations) {
   std::optional<kernel::Fit> best;
   const auto is_good_from = [&](const Pose& start) {
+    bool has_all = false;
     const kernel::Fit fitted =
-        fit(joint, {}, start, options.lspe.max_iterations, options.lspe.step_tolerance);
+        fit_all(joint, start, options.lspe.max_iterations, options.lspe.step_tolerance, has_all);
     iterations += fitted.iterations;
-    if (is_better(fitted, best)) best = fitted;
-    return is_near(fitted, start);
+    if (has_all && is_better(fitted, best)) best = fitted;
+    return has_all && is_near(fitted, start);
   };
   const std::optional<Pose>& initial = joint.initial_cam_from_centred;
   if (initial && is_good_from(*initial)) return best;
-  for (const Pose& start : starts_of(joint, sightline::solve_lspe(points_of(problem), options))) {
-    is_good_from(start);
-  }
+  SolverOptions unjudged = options;
+  unjudged.is_judged = false;
+  const PoseEstimate from_points = find_pose_solver("lspe")->solve(points_of(problem), unjudged);
+  for (const Pose& start : starts_of(joint, from_points)) is_good_from(start);
+  if (from_points.status == PoseStatus::kOk) return best;
+  for (const Pose& start : starts_over_attitudes(joint)) is_good_from(start);
   return best;
 }
 

@@ -219,6 +219,8 @@ def solve(
     of_lines = None
     if lines is not None:
         of_lines = _checks.array("solve: lines", lines, (None, 11), finite=False)
+        if (of_lines[:, 10] <= 0).any():
+            raise InputError("solve: lines: the sigma of a line is not above 0")
     settings = _checks.settings("solve: options", options, "solver.")
     answer = _sightline.solve(of_points, of_pixels, camera._numbers(), solver, noise, covariance,
                               initial, true_inliers, settings, of_lines)

@@ -40,8 +40,9 @@ size_t bytes_of_type(const std::string& type) {
 struct PlyHeader {
   PlyPoints points;
   int elements = 0;
-  int properties = 0;  // of the vertices, so far
-  int double_axes = 0;
+  int properties = 0;             // of the vertices, so far
+  std::array<bool, 3> is_seen{};  // x, y and z
+  std::array<bool, 3> is_double{};
   bool is_known = true;
 
   void read(const std::string& line) {
@@ -72,8 +73,11 @@ struct PlyHeader {
     const bool is_axis = name == "x" || name == "y" || name == "z";
     if (is_axis) {
       const bool is_ascii = points.format == PlyPoints::Format::kAscii;
-      points.place[name[0] - 'x'] = is_ascii ? static_cast<size_t>(properties) : points.stride;
-      double_axes += bytes == 8 ? 1 : 0;
+      const auto axis = static_cast<size_t>(name[0] - 'x');
+      if (is_seen[axis]) is_known = false;  // a file that has an axis twice is not moved
+      is_seen[axis] = true;
+      is_double[axis] = bytes == 8;
+      points.place[axis] = is_ascii ? static_cast<size_t>(properties) : points.stride;
     }
     points.stride += bytes;
     ++properties;
@@ -179,7 +183,7 @@ std::optional<PlyPoints> double_points(std::string_view ply) {
       continue;
     }
     header.points.begin = whole - rest.size();
-    if (!header.is_known || header.double_axes != 3) return std::nullopt;
+    if (!header.is_known || header.is_double != std::array{true, true, true}) return std::nullopt;
     return header.points;
   }
   return std::nullopt;

@@ -67,7 +67,7 @@ PictureReading decode(std::string_view bytes) {
   if (names[0] == nullptr) return {{}, "has no channels R, G and B, nor Y alone"};
   if (!file.isComplete()) return {{}, kTornPicture};
   cv::Mat picture(static_cast<int>(height), static_cast<int>(width), CV_32FC3);
-  const bool is_grey = names[0] == names[1];
+  const bool is_grey = std::string_view(names[0]) == names[1];
   std::vector<cv::Mat> planes;
   Imf::FrameBuffer buffer;
   for (size_t c = 0; c < (is_grey ? 1 : names.size()); ++c) {

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Pictures of light itself, whose numbers have no upper end: OpenEXR by its own library, Radiance's
-// .hdr by stb_image.
+// .hdr by our own reader, since others read the end of a torn file as black.
 #pragma once
 
 #include <filesystem>

@@ -43,8 +43,13 @@ Panorama read_panorama(const fs::path& file) {
 // By name, so that a draw is the same on every machine.
 std::vector<fs::path> panoramas_of(const fs::path& folder) {
   std::vector<fs::path> out;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (entry.is_regular_file() && is_radiance_name(entry.path())) out.push_back(entry.path());
+  std::error_code error;
+  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::end(entry);
+       entry.increment(error)) {
+    std::error_code of_entry;
+    if (entry->is_regular_file(of_entry) && is_radiance_name(entry->path())) {
+      out.push_back(entry->path());
+    }
   }
   std::sort(out.begin(), out.end());
   return out;
@@ -119,8 +124,9 @@ EnvironmentLaw read_environment(const TomlTable& file) {
     return law;
   }
   const fs::path beside = table.file().parent_path() / law.file;
-  const fs::path found = fs::exists(beside) ? beside : fs::path(law.file);
-  if (fs::is_directory(found)) {
+  std::error_code error;  // a name too long is one of no file
+  const fs::path found = fs::exists(beside, error) ? beside : fs::path(law.file);
+  if (fs::is_directory(found, error)) {
     law.folder = panoramas_of(found);
     if (law.folder.empty()) {
       table.fail("file", fmt::format("is \"{}\", a folder without .exr or .hdr", law.file));

@@ -4,7 +4,9 @@
 // What lines along edges say beyond the features that they made, and once each.
 #include "features/shared_edges.h"
 
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/LU>
 #include <gtest/gtest.h>

@@ -223,7 +223,8 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
   y down, z forward. Millimetres here, metres in sightline/.
 - Lens distortion has no place in this format: {names} = {coefficients}
   ({model}, OpenCV's signs), also in sightline/.
-- models_eval/ equals models/: the meshes as they were rendered.
+- models_eval/ has the meshes as they were rendered; models/ the same, of a set in colour with
+  normals and colours.
 )",
       fmt::arg("name", plan.study.name), fmt::arg("count", plan.count),
       fmt::arg("version", SIGHTLINE_VERSION), fmt::arg("seed", plan.study.seed),

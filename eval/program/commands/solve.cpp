@@ -35,18 +35,21 @@ struct SolveArguments {
   bool is_json = false;
 };
 
-// The lines of a file, each through two pixels. What its row does not say of the noise is that of
-// --sigma, else a pixel.
+// The lines of a file, each through two pixels, with the noise of its row or of --sigma.
 std::vector<LineObservation> read_lines(const SolveArguments& arguments) {
   std::vector<LineObservation> lines;
   const auto rows = read_number_rows(arguments.lines, 10, 11, "X Y Z X Y Z u v u v [sigma]");
+  if (rows.front().size() == 10 && arguments.sigma_px <= 0) {
+    throw InputError(
+        fmt::format("{}: lines need their noise: an eleventh number a row, or --sigma for all",
+                    arguments.lines));
+  }
   for (const std::vector<double>& row : rows) {
-    const double known_px = arguments.sigma_px > 0 ? arguments.sigma_px : 1;
-    LineObservation line =
-        line_through({row[6], row[7]}, {row[8], row[9]}, row.size() == 11 ? row[10] : known_px);
+    const double sigma_px = row.size() == 11 ? row[10] : arguments.sigma_px;
+    LineObservation line = line_through({row[6], row[7]}, {row[8], row[9]}, sigma_px);
     line.begin_in_target = {row[0], row[1], row[2]};
     line.end_in_target = {row[3], row[4], row[5]};
-    if (!is_usable(line)) {
+    if (!(sigma_px > 0) || !is_usable(line)) {
       throw InputError(fmt::format(
           "{}: row {} is no line: its two points and its two pixels must differ, its numbers be "
           "finite and its sigma above 0",

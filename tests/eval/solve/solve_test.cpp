@@ -177,6 +177,9 @@ TEST_F(Solve, SaysWhatIsNoLineInOneLine) {
   EXPECT_EQ(orpe.exit_code, 1);
   EXPECT_THAT(orpe.output, HasSubstr("only consensus and lspe use lines"));
   EXPECT_THAT(run("solve --camera " + camera_file_).output, HasSubstr("give a file of points"));
+  const std::string good = folder_.write("ten.txt", "0 0 0 1 0 0 10 10 20 20\n").string();
+  EXPECT_THAT(run("solve --camera " + camera_file_ + " --lines " + good).output,
+              HasSubstr("lines need their noise"));
 }
 
 TEST_F(Solve, SolversWithoutTimeForManyPointsSaySo) {

@@ -238,11 +238,18 @@ TEST(LineBound, LinesAddTheirInformationToThatOfPoints) {
   EXPECT_TRUE(is_matrix_near(product, Matrix6d(Matrix6d::Identity()), 1e-4));
 }
 
-TEST(LineBound, TwoParallelEdgesDetermineNoPose) {
+TEST(LineBound, ParallelEdgesDetermineNoPose) {
   Draw draw(76);
   const Synthetic s = cube_with_lines(1, 1, draw);
-  const std::vector<LineObservation> two(s.problem.lines.begin(), s.problem.lines.begin() + 2);
-  EXPECT_FALSE(cramer_rao_bound(s.problem.camera, {}, s.cam_from_target, {}, two));
+  std::vector<LineObservation> lines = s.problem.lines;
+  std::erase_if(lines, [](const LineObservation& line) {
+    return line.begin_in_target.x() == line.end_in_target.x();
+  });
+  ASSERT_EQ(lines.size(), 4U);  // eight numbers, none of which says where along x
+  EXPECT_FALSE(cramer_rao_bound(s.problem.camera, {}, s.cam_from_target, {}, lines));
+  lines.push_back(s.problem.lines[0]);
+  lines.push_back(s.problem.lines[1]);
+  EXPECT_TRUE(cramer_rao_bound(s.problem.camera, {}, s.cam_from_target, {}, lines));
 }
 
 }  // namespace
