@@ -170,7 +170,7 @@ TEST_F(Solve, TakesLinesBesidePointsOrAlone) {
 TEST_F(Solve, SaysWhatIsNoLineInOneLine) {
   const std::string one_pixel =
       folder_.write("bad.txt", "0 0 0 1 0 0 10 10 20 20\n0 0 0 1 0 0 10 10 10 10\n").string();
-  const Outcome bad = run("solve --camera " + camera_file_ + " --lines " + one_pixel);
+  const Outcome bad = run("solve --camera " + camera_file_ + " --sigma 1 --lines " + one_pixel);
   EXPECT_EQ(bad.exit_code, 1);
   EXPECT_THAT(bad.output, AllOf(HasSubstr("bad.txt: row 2 is no line"), HasSubstr("must differ")));
   const Outcome orpe = solve(points_file(0.3), "--solver orpe --lines " + one_pixel);
