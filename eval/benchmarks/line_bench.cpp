@@ -115,7 +115,8 @@ Pose solve_by_ceres(const PoseCase& c) {
         nullptr, pose);
   }
   for (const LineObservation& line : c.problem.lines) {
-    for (const EdgePoint& edge : edge_points_of(line, c.problem.camera).value()) {
+    const EdgePoints points = edge_points_of(line, c.problem.camera).value();
+    for (const EdgePoint& edge : points) {
       sum.AddResidualBlock(new ceres::AutoDiffCostFunction<CeresEdge, 1, 6>(new CeresEdge{edge}),
                            nullptr, pose);
     }
