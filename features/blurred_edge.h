@@ -8,18 +8,13 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "features/image_line.h"
 #include "features/observation.h"
 
 namespace sightline {
 
 /// The grey levels within this distance of a line are what is fitted.
 inline constexpr double kBlurredBandPx = 3;
-
-/// The stretch of a line, px along its direction from its point.
-struct Stretch {
-  double from_px;
-  double to_px;
-};
 
 /// Another edge that runs beside a line, nearly parallel to it, on one side of it alone.
 struct EdgeBeside {

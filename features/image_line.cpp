@@ -46,6 +46,29 @@ std::vector<Eigen::Vector2d> pixels_near(const std::vector<Eigen::Vector2d>& pix
   return near;
 }
 
+Stretch seen_stretch(const ImageLine& line) {
+  if (line.edge_pixels.empty()) return {};
+  const auto along_px = [&line](const Eigen::Vector2d& pixel) {
+    return line.direction.dot(pixel - line.point);
+  };
+  Stretch stretch{along_px(line.edge_pixels.front()), along_px(line.edge_pixels.front())};
+  for (const Eigen::Vector2d& pixel : line.edge_pixels) {
+    stretch.from_px = std::min(stretch.from_px, along_px(pixel));
+    stretch.to_px = std::max(stretch.to_px, along_px(pixel));
+  }
+  return stretch;
+}
+
+Eigen::Vector2d seen_middle(const ImageLine& line) {
+  const Stretch stretch = seen_stretch(line);
+  return line.point + (stretch.from_px + stretch.to_px) / 2 * line.direction;
+}
+
+LineObservation line_observation(const EdgeLine& found, const TargetFeature& feature) {
+  const Edge& edge = feature.edges[static_cast<size_t>(found.edge)];
+  return {edge.begin_m, edge.end_m, found.line.point, found.line.direction, found.line.covariance};
+}
+
 double offset_variance_px2(const ImageLine& line, const Eigen::Vector2d& pixel) {
   const double along = line.direction.dot(pixel - line.point);
   return line.covariance(0, 0) + 2 * along * line.covariance(0, 1) +

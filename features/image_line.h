@@ -11,6 +11,8 @@
 #include <Eigen/Core>
 
 #include "features/observation.h"
+#include "pose/line_observation.h"
+#include "scenes/target/feature_shape.h"
 
 namespace sightline {
 
@@ -22,6 +24,23 @@ ImageLine fit_line(std::vector<Eigen::Vector2d> edge_pixels, double least_sd_px)
 std::vector<Eigen::Vector2d> pixels_near(const std::vector<Eigen::Vector2d>& pixels,
                                          const Eigen::Vector2d& point,
                                          const Eigen::Vector2d& normal, double distance_px);
+
+/// The stretch of a line, px along its direction from its point.
+struct Stretch {
+  double from_px = 0;
+  double to_px = 0;
+
+  double half_length_px() const { return (to_px - from_px) / 2; }
+};
+
+/// Where along a line its edge pixels lie; of no length where it has none.
+Stretch seen_stretch(const ImageLine& line);
+
+/// The place on a line amid its edge pixels.
+Eigen::Vector2d seen_middle(const ImageLine& line);
+
+/// A line along one of a feature's edges, as solvers take it.
+LineObservation line_observation(const EdgeLine& found, const TargetFeature& feature);
 
 /// The variance of a line's offset along its normal, abreast of a pixel.
 double offset_variance_px2(const ImageLine& line, const Eigen::Vector2d& pixel);

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "features/image_line.h"
+#include "scenes/target/same_edge.h"
+
 namespace sightline {
 namespace {
 
@@ -17,31 +20,17 @@ struct Place {
   bool is_found() const { return observation->status == ObservationStatus::kFound; }
 };
 
-bool is_near(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double length_m) {
-  constexpr double kSame = 1e-4;  // of the edge's length: what files round to
-  return (a - b).norm() <= kSame * length_m;
-}
-
 // Whether two lines are of one edge, which two features look at from its two ends.
 bool is_one_edge(const Target& target, const Place& a, const Place& b) {
-  const Edge& from_a = target.features[a.observation->feature].edges[a.edge_line().edge];
-  const Edge& from_b = target.features[b.observation->feature].edges[b.edge_line().edge];
-  const double length_m = (from_a.end_m - from_a.begin_m).norm();
-  return is_near(from_a.begin_m, from_b.end_m, length_m) &&
-         is_near(from_a.end_m, from_b.begin_m, length_m);
-}
-
-// Half the length over which a line has edge pixels.
-double half_length_px(const ImageLine& line) {
-  double half_px = 0;
-  for (const Eigen::Vector2d& pixel : line.edge_pixels) {
-    half_px = std::max(half_px, (pixel - line.point).norm());
-  }
-  return half_px;
+  const auto edge_of = [&target](const Place& place) -> const Edge& {
+    return target.features[place.observation->feature].edges[place.edge_line().edge];
+  };
+  return a.observation != b.observation && is_same_edge(edge_of(a), edge_of(b));
 }
 
 bool overlap(const ImageLine& a, const ImageLine& b) {
-  return (a.point - b.point).norm() < half_length_px(a) + half_length_px(b);
+  const double apart_px = (seen_middle(a) - seen_middle(b)).norm();
+  return apart_px < seen_stretch(a).half_length_px() + seen_stretch(b).half_length_px();
 }
 
 // Which of two lines of one edge are to be dropped.

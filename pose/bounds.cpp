@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "pose/attitude.h"
@@ -115,6 +116,16 @@ std::optional<PoseBound> cramer_rao_bound(const Camera& camera,
   if (!covariance) return std::nullopt;
 
   return pose_bound(covariance_from_centred(*covariance, cam_from_centred, c), cam_from_target);
+}
+
+std::optional<Matrix6d> root_of(const Matrix6d& covariance) {
+  if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() > 0)) return std::nullopt;
+  const Vector6d scale = covariance.diagonal().cwiseSqrt();
+  const Matrix6d correlation =
+      scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
+  const Eigen::LLT<Matrix6d> factor(correlation);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  return Matrix6d(scale.asDiagonal() * Matrix6d(factor.matrixL()));
 }
 
 PoseBound pose_bound(const Matrix6d& covariance, const Pose& cam_from_target) {

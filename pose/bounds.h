@@ -20,6 +20,10 @@ struct PoseBound {
   double translation_rms;   ///< the bound of T_error, a fraction of the imaging distance
 };
 
+/// L with L L^T = covariance, by which draws of unit noise become draws of it. None unless the
+/// matrix is positive definite; rotation and translation may have any units.
+std::optional<Matrix6d> root_of(const Matrix6d& covariance);
+
 /// What a covariance of the pose says of its errors.
 PoseBound pose_bound(const Matrix6d& covariance, const Pose& cam_from_target);
 

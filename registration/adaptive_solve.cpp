@@ -150,9 +150,7 @@ ReducedBlock reduced(const double* gram, double inside_variance, double outside_
     own(i, i) += 1 / (i < kInsideLocals ? inside_variance : outside_variance);
   }
   ReducedBlock block;
-  const InverseAndDeterminant inverse = inverse_and_determinant(own);
-  block.covariance = inverse.inverse;
-  block.log_determinant = inverse.log_determinant;
+  block.covariance = positive_inverse(own);
   block.response = block.covariance * cross;
   block.system = all.topLeftCorner(kUnknowns + 1, kUnknowns + 1);
   block.system.noalias() -= cross.transpose() * block.response;

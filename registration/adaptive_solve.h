@@ -38,7 +38,6 @@ struct ReducedBlock {
       system;  ///< of the unknowns and the residual: Z' W Z - Z' W B (B' W B + T^-1)^-1 B' W Z
   Eigen::MatrixXd response;    ///< of the deviations to Z
   Eigen::MatrixXd covariance;  ///< of the deviations
-  double log_determinant = 0;  ///< of the inverse of that
 };
 
 /// Marginalises a block's deviations: its light's by `inside_variance`, each of (albedo,

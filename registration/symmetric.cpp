@@ -27,10 +27,9 @@ Eigen::VectorXd solved(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& rig
   return unscale.cwiseProduct(scaled_x);
 }
 
-InverseAndDeterminant inverse_and_determinant(const Eigen::MatrixXd& matrix) {
+Eigen::MatrixXd positive_inverse(const Eigen::MatrixXd& matrix) {
   const Eigen::LDLT<Eigen::MatrixXd> factor(matrix);
-  return {factor.solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols())),
-          factor.vectorD().array().log().sum()};
+  return factor.solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
 }
 
 double mahalanobis2(const Eigen::VectorXd& e, const Eigen::MatrixXd& matrix) {

@@ -17,12 +17,8 @@ std::optional<Eigen::MatrixXd> inverse_of(const Eigen::MatrixXd& matrix);
 /// The x with matrix x = right, of a positive definite matrix.
 Eigen::VectorXd solved(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
 
-/// The inverse and the logarithm of the determinant of a positive definite matrix.
-struct InverseAndDeterminant {
-  Eigen::MatrixXd inverse;
-  double log_determinant = 0;
-};
-InverseAndDeterminant inverse_and_determinant(const Eigen::MatrixXd& matrix);
+/// The inverse of a matrix that is known to be positive definite, in units that suit each other.
+Eigen::MatrixXd positive_inverse(const Eigen::MatrixXd& matrix);
 
 /// e' matrix^-1 e.
 double mahalanobis2(const Eigen::VectorXd& e, const Eigen::MatrixXd& matrix);

@@ -150,7 +150,9 @@ Paint ColourShader::paint_of(const Part& part, bool draws_textures, TextureCache
 }
 
 bool ColourShader::has_detail() const {
-  return shadow_ != nullptr || light_.specular > 0 || hits_.body().stripe_contrast > 0;
+  const bool has_rim = std::any_of(lamps_.begin(), lamps_.end(),
+                                   [](const Lamp& lamp) { return lamp.cone_deg < 180; });
+  return shadow_ != nullptr || light_.specular > 0 || hits_.body().stripe_contrast > 0 || has_rim;
 }
 
 bool ColourShader::is_see_through() const {

@@ -134,10 +134,15 @@ void state_pixels(const std::vector<PlacedBody>& bodies, const IdImage& image, c
   }
 }
 
-void state_amodal(const PlacedBody& body, const Screen& canvas, BodyTruth& truth) {
+void state_amodal(const PlacedBody& body, const Screen& canvas, const Scene& scene,
+                  TextureCache& textures, BodyTruth& truth) {
+  const std::vector<PlacedBody> alone{body};
+  SurfaceOpacity opacity(alone, scene.colouring.draws_textures, textures);
+  const bool looks_through = scene.colouring.truth_sees == TruthSurface::kOpaque;
   Extent extent;
   const cv::Rect in_image(0, 0, truth.amodal_mask.cols, truth.amodal_mask.rows);
-  for_each_seen(paint_ids({body}, canvas), [&](int x, int y, uint32_t) {
+  const IdImage image = paint_ids(alone, canvas, looks_through ? &opacity : nullptr);
+  for_each_seen(image, [&](int x, int y, uint32_t) {
     extent.add(x, y);
     if (in_image.contains({x, y})) truth.amodal_mask.at<uint8_t>(y, x) = 255;
   });
@@ -250,7 +255,7 @@ void state_truth(const Scene& scene, TextureCache& textures, Frame& frame) {
       truth.amodal_pixels = truth.visible_pixels;
     } else {
       truth.amodal_mask = cv::Mat::zeros(size, CV_8U);
-      state_amodal(bodies[b], canvas, truth);
+      state_amodal(bodies[b], canvas, scene, textures, truth);
     }
   }
 }

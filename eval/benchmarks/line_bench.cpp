@@ -12,10 +12,10 @@
 
 #include <benchmark/benchmark.h>
 #include <ceres/ceres.h>
-#include <ceres/rotation.h>
 #include <fmt/format.h>
 
 #include "eval/benchmarks/benches.h"
+#include "eval/benchmarks/ceres_residuals.h"
 #include "eval/benchmarks/pose_problems.h"
 #include "pose/bounds.h"
 #include "pose/edge_points.h"
@@ -59,23 +59,6 @@ std::vector<PoseCase> draw_cases(int points, int lines) {
   return cases;
 }
 
-struct CeresPoint {
-  Eigen::Vector3d point;
-  Eigen::Vector2d pixel;
-  const Camera* camera;
-
-  template <typename T>
-  bool operator()(const T* pose, T* residual) const {
-    const T x_in_target[3] = {T(point.x()), T(point.y()), T(point.z())};
-    T x[3];
-    ceres::AngleAxisRotatePoint(pose, x_in_target, x);
-    for (int i = 0; i < 3; ++i) x[i] += pose[3 + i];
-    residual[0] = camera->fx_px * x[0] / x[2] + camera->cx_px - pixel.x();
-    residual[1] = camera->fy_px * x[1] / x[2] + camera->cy_px - pixel.y();
-    return true;
-  }
-};
-
 /// Where the image of the edge's two ends puts the line between them, at the pixel.
 struct CeresEdge {
   EdgePoint edge;
@@ -85,10 +68,8 @@ struct CeresEdge {
     T image[2][2];
     for (const int end : {0, 1}) {
       const Eigen::Vector3d& given = end == 0 ? edge.begin_in_target : edge.end_in_target;
-      const T x_in_target[3] = {T(given.x()), T(given.y()), T(given.z())};
       T x[3];
-      ceres::AngleAxisRotatePoint(pose, x_in_target, x);
-      for (int i = 0; i < 3; ++i) x[i] += pose[3 + i];
+      move_by_ceres(pose, given, x);
       image[end][0] = x[0] / x[2];
       image[end][1] = x[1] / x[2];
     }

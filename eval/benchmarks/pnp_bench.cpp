@@ -13,12 +13,12 @@
 
 #include <benchmark/benchmark.h>
 #include <ceres/ceres.h>
-#include <ceres/rotation.h>
 #include <opencv2/calib3d.hpp>
 #include <opengv/absolute_pose/CentralAbsoluteAdapter.hpp>
 #include <opengv/absolute_pose/methods.hpp>
 
 #include "eval/benchmarks/benches.h"
+#include "eval/benchmarks/ceres_residuals.h"
 #include "eval/benchmarks/pose_problems.h"
 #include "pose/bounds.h"
 #include "pose/p3p.h"
@@ -112,23 +112,6 @@ Pose opengv_nonlinear(const PeerCase& c) {
   return from_opengv(opengv::absolute_pose::optimize_nonlinear(adapter));
 }
 
-struct CeresResidual {
-  Eigen::Vector3d point;
-  Eigen::Vector2d pixel;
-  const Camera* camera;
-
-  template <typename T>
-  bool operator()(const T* pose, T* residual) const {
-    const T x_in_target[3] = {T(point.x()), T(point.y()), T(point.z())};
-    T x[3];
-    ceres::AngleAxisRotatePoint(pose, x_in_target, x);
-    for (int i = 0; i < 3; ++i) x[i] += pose[3 + i];
-    residual[0] = camera->fx_px * x[0] / x[2] + camera->cx_px - pixel.x();
-    residual[1] = camera->fy_px * x[1] / x[2] + camera->cy_px - pixel.y();
-    return true;
-  }
-};
-
 Pose ceres_solve(const PeerCase& c) {
   const PoseProblem& problem = c.ours.problem;
   double pose[6];
@@ -138,7 +121,7 @@ Pose ceres_solve(const PeerCase& c) {
   }
   ceres::Problem sum;
   for (std::size_t i = 0; i < problem.pixels.size(); ++i) {
-    sum.AddResidualBlock(new ceres::AutoDiffCostFunction<CeresResidual, 2, 6>(new CeresResidual{
+    sum.AddResidualBlock(new ceres::AutoDiffCostFunction<CeresPoint, 2, 6>(new CeresPoint{
                              problem.points_in_target[i], problem.pixels[i], &problem.camera}),
                          nullptr, pose);
   }

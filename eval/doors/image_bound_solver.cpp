@@ -5,24 +5,19 @@
 #include <memory>
 #include <optional>
 
-#include <Eigen/Cholesky>
-
 #include "eval/doors/registration_solver.h"
+#include "pose/bounds.h"
 #include "registration/image_bound.h"
 #include "scenes/random/random.h"
 
 namespace sightline {
 namespace {
 
-// A draw of normal numbers of that covariance.
-Vector6d drawn(const Matrix6d& covariance, RandomStream stream) {
+// A draw of normal numbers whose covariance has that root.
+Vector6d drawn(const Matrix6d& root, RandomStream stream) {
   Vector6d unit;
   for (int i = 0; i < 6; ++i) unit[i] = stream.normal();
-  // To comparable units, for the sake of rounding.
-  const Vector6d scale = covariance.diagonal().cwiseSqrt();
-  const Matrix6d correlation =
-      scale.cwiseInverse().asDiagonal() * covariance * scale.cwiseInverse().asDiagonal();
-  return scale.cwiseProduct(Eigen::LLT<Matrix6d>(correlation).matrixL() * unit);
+  return root * unit;
 }
 
 // The bounds of the trial that was asked for last, which one solver after the other asks for. A
@@ -41,15 +36,16 @@ SolverAnswer bound_as_answer(const SolverQuestion& question, uint64_t seed, cons
     last = {question.trial.trial, image_bounds(scene, renderer)};
   }
   const std::optional<Matrix6d> covariance = last.bounds.*which;
+  const std::optional<Matrix6d> root = covariance ? root_of(*covariance) : std::nullopt;
   SolverAnswer answer;
-  if (!covariance) {
+  if (!root) {
     answer.outcome = EstimateOutcome::kDegenerate;
     return answer;
   }
   answer.outcome = EstimateOutcome::kOk;
   answer.estimate.status = PoseStatus::kOk;
   const RandomStream stream(seed, name, static_cast<uint64_t>(question.trial.trial));
-  answer.estimate.cam_from_target = retract(scene.cam_from_target, drawn(*covariance, stream));
+  answer.estimate.cam_from_target = retract(scene.cam_from_target, drawn(*root, stream));
   answer.estimate.covariance = covariance;
   return answer;
 }

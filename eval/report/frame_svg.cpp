@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -15,6 +14,7 @@
 
 #include "eval/output/html.h"
 #include "eval/output/numbers.h"
+#include "features/image_line.h"
 #include "scenes/picture/picture_file.h"
 
 namespace sightline {
@@ -289,14 +289,9 @@ std::string observed_line_mark(const EdgeLine& found, const LineRecord& record,
                                const std::vector<std::string>& removers) {
   const ImageLine& line = found.line;
   if (line.edge_pixels.empty()) return "";
-  double from = std::numeric_limits<double>::infinity(), to = -from;
-  for (const Eigen::Vector2d& pixel : line.edge_pixels) {
-    const double along = line.direction.dot(pixel - line.point);
-    from = std::min(from, along);
-    to = std::max(to, along);
-  }
+  const Stretch seen = seen_stretch(line);
   const std::string path =
-      stroke(line.point + from * line.direction, line.point + to * line.direction);
+      stroke(line.point + seen.from_px * line.direction, line.point + seen.to_px * line.direction);
   const std::string name = fmt::format("{}, edge {}", record.feature, record.edge);
   std::string svg =
       mark("lines", path,

@@ -13,6 +13,7 @@
 
 #include "eval/output/json.h"
 #include "pose/angles.h"
+#include "pose/lines/joint.h"
 
 namespace sightline {
 namespace {
@@ -28,11 +29,6 @@ std::optional<Matrix6d> covariance_of(const PoseProblem& problem, const PoseEsti
   const Matrix6d covariance = variance * estimate.unit_covariance;
   if (covariance.isZero(0) || !covariance.allFinite()) return std::nullopt;
   return covariance;
-}
-
-// Whether the noise is stated, so that what is said of lines and points together is in its units.
-bool is_noise_known(const PoseProblem& problem) {
-  return problem.sigma_px > 0 || !problem.covariances_px2.empty() || problem.pixels.empty();
 }
 
 // "x  1.234 +- 0.056 m" in columns.
@@ -138,7 +134,7 @@ std::string text_of(const PoseProblem& problem, const PoseEstimate& estimate) {
                     lines - estimate.removed_lines.size() - estimate.ignored_lines.size(), lines);
   }
   text += list_row("lines removed", estimate.removed_lines) + ignored;
-  const bool is_in_sigmas = !problem.lines.empty() && is_noise_known(problem);
+  const bool is_in_sigmas = !problem.lines.empty() && lines::is_noise_known(problem);
   const char* const unit = is_in_sigmas ? "sigma" : "px";
   if (estimate.noise_px) {
     text += fmt::format("  {:<22}{:.4g} {}\n", "noise", *estimate.noise_px, unit);

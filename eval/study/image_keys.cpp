@@ -215,6 +215,15 @@ void require_one_set_of_pictures(const TomlTable& table, const ImageStudy& study
   }
 }
 
+// Set-ups that name one panorama hold it once: each has a hundred megabytes.
+void share_panorama(const std::vector<ImageSetup>& before, ImageSetup& setup) {
+  EnvironmentLaw& own = setup.scene.environment;
+  for (const ImageSetup& other : before) {
+    const EnvironmentLaw& law = other.scene.environment;
+    if (own.light != nullptr && law.file == own.file) own.light = law.light;
+  }
+}
+
 // A set-up for every cell of the sweeps, once for every extractor.
 void read_setups(const TomlTable& table, ImageStudy& study, Study& common,
                  GuestExtractors& guests) {
@@ -227,7 +236,9 @@ void read_setups(const TomlTable& table, ImageStudy& study, Study& common,
   for (size_t i = 0; i < cells.size(); ++i) {
     SweptCell keys = cells[i];
     std::erase_if(keys, [](const SweptValue& value) { return value.key == kSweptExtractor; });
-    study.setups.push_back(read_swept_setup(table, keys, study));
+    ImageSetup read = read_swept_setup(table, keys, study);
+    share_panorama(study.setups, read);
+    study.setups.push_back(std::move(read));
     ImageSetup& setup = study.setups.back();
     choose_extractor(names[i % names.size()], study, common, guests, setup);
     if (!setup.guest) require_useful_extractors(table, study, setup.extractors);

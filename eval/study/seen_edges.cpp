@@ -7,6 +7,8 @@
 
 #include <Eigen/LU>
 
+#include "scenes/target/same_edge.h"
+
 namespace sightline {
 namespace {
 
@@ -22,11 +24,6 @@ std::optional<ImagedEdge> imaged(const Edge& edge, const Camera& camera, const P
   if (!begin || !end || *begin == *end) return std::nullopt;
   const double length_px = (*end - *begin).norm();
   return ImagedEdge{length_px, (*end - *begin) / length_px};
-}
-
-bool is_same(const Edge& a, const Edge& b) {
-  return (a.begin_m == b.begin_m && a.end_m == b.end_m) ||
-         (a.begin_m == b.end_m && a.end_m == b.begin_m);
 }
 
 }  // namespace
@@ -63,7 +60,8 @@ std::vector<SeenEdge> seen_lines(const SeenEdges& edges, const Target& target,
   for (const int feature : features) {
     const std::vector<Edge>& own = target.features[feature].edges;
     for (size_t i = 0; i < own.size(); ++i) {
-      if (std::ranges::any_of(taken, [&](const Edge* other) { return is_same(*other, own[i]); })) {
+      if (std::ranges::any_of(taken,
+                              [&](const Edge* other) { return is_same_edge(*other, own[i]); })) {
         continue;
       }
       taken.push_back(&own[i]);

@@ -8,12 +8,12 @@
 #include <numbers>
 #include <string_view>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "eval/records/caps.h"
 #include "eval/summary/cells.h"
 #include "pose/angles.h"
+#include "pose/bounds.h"
 #include "scenes/random/random.h"
 
 namespace sightline {
@@ -45,10 +45,11 @@ std::array<double, 2> log_errors_of(double geodesic_deg, double t_error_percent)
   return {log_of(geodesic_deg, kAngleCapDeg), log_of(t_error_percent, kTranslationCapPercent)};
 }
 
-// Of errors drawn from a covariance.
-std::array<double, 2> mean_log_errors(const Matrix6& covariance, const Pose& pose) {
-  const Matrix6 root = covariance.llt().matrixL();
-  const Eigen::Matrix<double, 6, Eigen::Dynamic> errors = root * unit_draws();
+// Of errors drawn from a covariance; none where it is none.
+std::optional<std::array<double, 2>> mean_log_errors(const Matrix6& covariance, const Pose& pose) {
+  const std::optional<Matrix6> root = root_of(covariance);
+  if (!root) return std::nullopt;
+  const Eigen::Matrix<double, 6, Eigen::Dynamic> errors = *root * unit_draws();
   // T_error is the RMS of three components over the distance.
   const double percent_per_m = 100 / std::numbers::sqrt3 / pose.translation.norm();
   std::array<double, 2> sum = {0, 0};

@@ -4,16 +4,15 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-#include <iterator>
-#include <set>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "eval/output/output_folder.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 #include "scenes/files/toml_text.h"
+#include "scenes/target/rounded_tips.h"
 #include "scenes/target/target.h"
 
 namespace sightline {
@@ -22,14 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kFeatureLine = "[[feature]]";
-constexpr double kAddedReach = 0.05;  // of the target's size, as a proposal's tips
-constexpr double kAddedParts = 0.03;  // parts nearer than this are the outline's
 constexpr double kAddedClearance = 0.01;
-
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 // The file cut before every line that begins a feature: what stands before them, then one each.
 // Tables that follow the features stand before them afterwards, so that none is lost with one.
@@ -79,17 +71,6 @@ AddedFeature read_added(const std::string& text, size_t number) {
   return added;
 }
 
-// The parts with a triangle that comes near to a point.
-std::set<std::string> parts_near(const Mesh& mesh, const Eigen::Vector3d& point_m, double reach_m) {
-  std::set<std::string> names;
-  for (const Triangle& triangle : mesh.triangles) {
-    const bool is_near = std::ranges::any_of(
-        triangle.vertex, [&](int v) { return (mesh.vertices[v] - point_m).norm() <= reach_m; });
-    if (is_near) names.insert(mesh.parts[triangle.part].name);
-  }
-  return names;
-}
-
 std::string feature_text(const Target& target, const AddedFeature& added) {
   const Bounds box = bounds(target.mesh);
   const double size_m = (box.max_m - box.min_m).norm();
@@ -100,8 +81,8 @@ std::string feature_text(const Target& target, const AddedFeature& added) {
         added.name, off_m, kAddedClearance * size_m));
   }
   std::vector<std::string> parts;
-  const double reach_m = std::max(kAddedParts * size_m, 2 * off_m);
-  for (const std::string& part : parts_near(target.mesh, added.position_m, reach_m)) {
+  const double reach_m = std::max(kTipRadius * size_m, 2 * off_m);
+  for (const std::string& part : parts_about(target.mesh, added.position_m, reach_m)) {
     parts.push_back(toml_text(part));
   }
   if (parts.empty()) {
@@ -113,7 +94,7 @@ std::string feature_text(const Target& target, const AddedFeature& added) {
       "\n{}\nname = {}\nkind = \"contour\"\nposition_m = [{}, {}, {}]\nclearance_m = {:.6g}\n"
       "parts = [{}]\nreach_m = {:.6g}\n",
       kFeatureLine, toml_text(added.name), p.x(), p.y(), p.z(), off_m + kAddedClearance * size_m,
-      fmt::join(parts, ", "), kAddedReach * size_m);
+      fmt::join(parts, ", "), kTipReach * size_m);
 }
 
 // Writes the text and loads it as a target; takes it back where that fails.
@@ -138,7 +119,7 @@ std::string edit_target(const fs::path& file, const TargetEdits& edits) {
   if (!target->has_mesh()) {
     throw InputError(fmt::format("{}: has keypoints alone; change them by hand", file.string()));
   }
-  const std::string before = text_of(file);
+  const std::string before = read_input_file(file, kMostTextBytes);
   std::vector<std::string> pieces = cut_at_features(before);
   if (pieces.size() != target->features.size() + 1) {
     throw InputError(

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "eval/records/line_records.h"
+#include "features/image_line.h"
 #include "pose/edge_points.h"
 
 namespace sightline {
@@ -25,15 +25,6 @@ double error_sigmas(const LineObservation& line, const Camera& camera, const Pos
     squares += residual->residual_px * residual->residual_px / point.variance_px2;
   }
   return std::sqrt(squares);
-}
-
-// The place on a line amid the edge pixels that it was found by.
-Eigen::Vector2d middle_of(const ImageLine& line) {
-  if (line.edge_pixels.empty()) return line.point;
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (const Eigen::Vector2d& pixel : line.edge_pixels) sum += pixel;
-  const Eigen::Vector2d middle = sum / static_cast<double>(line.edge_pixels.size());
-  return line.point + line.direction.dot(middle - line.point) * line.direction;
 }
 
 // How far the true image of the edge passes a pixel of the line.
@@ -62,8 +53,8 @@ std::vector<LineRecord> compare_lines(std::span<const Observation> observations,
       record.offset_variance_px2 = found.line.covariance(0, 0);
       record.offset_slope_covariance = found.line.covariance(0, 1);
       record.slope_variance = found.line.covariance(1, 1);
-      const LineObservation line = line_of(record, target).value();
-      record.offset_px = offset_px(line, middle_of(found.line), camera, true_cam_from_target);
+      const LineObservation line = line_observation(found, target.features[observation.feature]);
+      record.offset_px = offset_px(line, seen_middle(found.line), camera, true_cam_from_target);
       record.error_sigmas = error_sigmas(line, camera, true_cam_from_target);
       const bool is_wrong = std::abs(record.offset_px) > limits.line_px ||
                             record.error_sigmas > limits.outlier_sigmas ||

@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include "features/extractor.h"
+#include "features/image_line.h"
 #include "features/prediction.h"
 #include "pose/solver.h"
 
@@ -84,9 +85,7 @@ void add_lines(const Task& task, const std::vector<Observation>& observations,
   for (const Observation& observation : observations) {
     const TargetFeature& feature = task.study.target->features[observation.feature];
     for (const EdgeLine& found : observation.edge_lines) {
-      const Edge& edge = feature.edges[static_cast<size_t>(found.edge)];
-      problem.lines.push_back({edge.begin_m, edge.end_m, found.line.point, found.line.direction,
-                               found.line.covariance});
+      problem.lines.push_back(line_observation(found, feature));
     }
   }
 }

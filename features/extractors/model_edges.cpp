@@ -183,10 +183,7 @@ constexpr double kAlonePx = 0.4;
 constexpr double kSoftPx = 0.2;
 
 void add_floor(double sd_px, ImageLine& line) {
-  double half_px = 1;
-  for (const Eigen::Vector2d& pixel : line.edge_pixels) {
-    half_px = std::max(half_px, (pixel - line.point).norm());
-  }
+  const double half_px = std::max(1.0, seen_stretch(line).half_length_px());
   const double variance_px2 = sd_px * sd_px / 2;  // at the middle, which is the mean of both ends
   line.covariance(0, 0) += variance_px2;
   line.covariance(1, 1) += variance_px2 / (half_px * half_px);

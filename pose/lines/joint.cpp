@@ -148,6 +148,50 @@ Eigen::Vector3d position_at(const Joint& joint, const Eigen::Matrix3d& rotation)
   return rows.solution();
 }
 
+/// The squared sine at which an observation's edge crosses the normals of its line, 1 of a point; 0
+/// where it has no residual. A residual times the sine is the distance of the line from the edge,
+/// which has no end however wrong the pose is.
+double crossing2_of(const Joint& joint, const Observed& observed, const Pose& cam_from_centred) {
+  if (!squares_of(joint, observed, cam_from_centred)) return 0;
+  if (!observed.is_line) return 1;
+  const Pose cam_from_target = from_centred(cam_from_centred, joint.points);
+  double least = 1;
+  for (std::size_t k = observed.first; k < observed.first + observed.numbers; ++k) {
+    const EdgePoint& edge = joint.edges[k];
+    const Eigen::Vector2d across =
+        (cam_from_target * edge.begin_in_target)
+            .cross(cam_from_target.rotation * (edge.end_in_target - edge.begin_in_target))
+            .head<2>();
+    const double along_normal = across.dot(edge.normal_per_px);
+    least = std::min(least, along_normal * along_normal /
+                                (across.squaredNorm() * edge.normal_per_px.squaredNorm()));
+  }
+  return least;
+}
+
+/// Least squares of these distances in a few rounds, from a pose at which many edges may be seen
+/// along the normals of their lines: there residuals are huge, or there are none.
+Pose pose_by_crossings(const Joint& joint, Pose pose) {
+  // Of what is weaker a step might lose the residual, and with it be refused.
+  constexpr double kLeastCrossing2 = 0.1;
+  constexpr int kRounds = 15;
+  constexpr int kStepsARound = 3;
+  constexpr double kTolerance = 1e-4;
+  for (int round = 0; round < kRounds; ++round) {
+    std::vector<double> weights;
+    for (const Observed& observed : joint.observed) {
+      const double crossing2 = crossing2_of(joint, observed, pose);
+      weights.push_back(crossing2 > kLeastCrossing2 ? crossing2 : 0);
+    }
+    const kernel::Fit fitted = fit(joint, weights, pose, kStepsARound, kTolerance);
+    if (fitted.status == kernel::FitStatus::kStartBehindCamera) break;
+    const Pose next = pose_from(fitted.pose);
+    if (!is_valid(next)) break;
+    pose = next;
+  }
+  return pose;
+}
+
 }  // namespace
 
 PreparedJoint prepare_joint(const PoseProblem& problem) {
@@ -165,8 +209,7 @@ PreparedJoint prepare_joint(const PoseProblem& problem) {
   if (!has_focal || !(problem.sigma_px >= 0)) return prepared;
   joint.points.fx_px = camera.fx_px;
   joint.points.fy_px = camera.fy_px;
-  joint.is_noise_known =
-      !problem.covariances_px2.empty() || problem.sigma_px > 0 || problem.pixels.empty();
+  joint.is_noise_known = is_noise_known(problem);
   joint.observed.reserve(problem.pixels.size() + problem.lines.size());
   add_points(problem, joint);
   add_lines(problem, joint);
@@ -175,6 +218,10 @@ PreparedJoint prepare_joint(const PoseProblem& problem) {
   if (initial) joint.initial_cam_from_centred = to_centred(*initial, joint.points);
   prepared.status = PoseStatus::kOk;
   return prepared;
+}
+
+bool is_noise_known(const PoseProblem& problem) {
+  return !problem.covariances_px2.empty() || problem.sigma_px > 0 || problem.pixels.empty();
 }
 
 double image_unit_px(const Joint& joint) {
@@ -218,17 +265,15 @@ kernel::Fit fit(const Joint& joint, std::span<const double> weights, const Pose&
 kernel::Fit fit_all(const Joint& joint, const Pose& start, int max_iterations,
                     double step_tolerance, bool& has_all) {
   kernel::Fit fitted = fit(joint, {}, start, max_iterations, step_tolerance);
-  has_all = fitted.status != kernel::FitStatus::kStartBehindCamera;
-  if (has_all) return fitted;
-  std::vector<double> weights;
-  for (const Observed& observed : joint.observed) {
-    weights.push_back(squares_of(joint, observed, start) ? 1 : 0);
+  if (fitted.status == kernel::FitStatus::kConverged) {
+    has_all = true;
+    return fitted;
   }
-  fitted = fit(joint, weights, start, max_iterations, step_tolerance);
-  if (fitted.status != kernel::FitStatus::kConverged) return fitted;
-  const kernel::Fit of_all = fit(joint, {}, pose_from(fitted.pose), max_iterations, step_tolerance);
-  has_all = of_all.status != kernel::FitStatus::kStartBehindCamera;
-  return has_all ? of_all : fitted;
+  const kernel::Fit near =
+      fit(joint, {}, pose_by_crossings(joint, start), max_iterations, step_tolerance);
+  if (near.status != kernel::FitStatus::kStartBehindCamera) fitted = near;
+  has_all = fitted.status != kernel::FitStatus::kStartBehindCamera;
+  return fitted;
 }
 
 std::optional<Matrix6d> information_at(const Joint& joint, std::span<const double> weights,

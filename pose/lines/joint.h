@@ -62,6 +62,10 @@ PreparedJoint prepare_joint(const PoseProblem& problem);
 /// (consensus::image_unit_px); 0 where all pixels are one.
 double image_unit_px(const Joint& joint);
 
+/// Whether what is said of points and lines together is in units of the noise that is stated: all
+/// points state theirs, or there are none.
+bool is_noise_known(const PoseProblem& problem);
+
 /// The squares of an observation's residual at a pose, in units of its noise; none where it has
 /// no residual there.
 std::optional<double> squares_of(const Joint& joint, const Observed& observed,
@@ -72,8 +76,9 @@ std::optional<double> squares_of(const Joint& joint, const Observed& observed,
 kernel::Fit fit(const Joint& joint, std::span<const double> weights, const Pose& start,
                 int max_iterations, double step_tolerance);
 
-/// Least squares on all observations from one start. Those that have no residual there take no part
-/// at first; then all do, if they have one where that leads. `has_all` says whether they had.
+/// Least squares on all observations from one start, however wrong: where edges are seen along the
+/// normals of their lines, it comes nearer by the distances of lines from edges first. `has_all`
+/// says whether every observation has a residual in the end.
 kernel::Fit fit_all(const Joint& joint, const Pose& start, int max_iterations,
                     double step_tolerance, bool& has_all);
 

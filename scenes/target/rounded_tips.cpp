@@ -19,10 +19,8 @@ using Eigen::Vector3d;
 
 // Lengths are fractions of the target's size.
 constexpr int kHullDirections = 400;
-constexpr double kTipRadius = 0.03;   // extreme points this near to each other are one tip
 constexpr double kLeastShare = 0.02;  // of the directions: a ball's are some 0.1 % within that
 constexpr double kLeastPart = 0.15;   // smaller parts are details
-constexpr double kTipReach = 0.05;    // the outline that belongs to a tip
 constexpr double kLeastHold = 0.006;  // the lesser eigenvalue: half the least edge of a corner
 constexpr double kFullHold = 0.02;    // more is worth no more
 constexpr double kSurfaceClearance = 0.003;
@@ -126,20 +124,6 @@ std::vector<Tip> tips_of(const Mesh& mesh, double size_m) {
   return tips;
 }
 
-// The parts that have something within reach of a tip: their outlines make one there.
-std::vector<std::string> parts_at(const Mesh& mesh, const Tip& tip, double reach_m) {
-  std::set<std::string> names = {mesh.parts[tip.part].name};
-  for (const Triangle& triangle : mesh.triangles) {
-    const std::string& name = mesh.parts[triangle.part].name;
-    if (is_moving_part(name)) continue;
-    const bool is_near = std::ranges::any_of(triangle.vertex, [&](int v) {
-      return (mesh.vertices[v] - tip.position_m).norm() <= reach_m;
-    });
-    if (is_near) names.insert(name);
-  }
-  return {names.begin(), names.end()};
-}
-
 // A piece of the outline as seen from one side.
 struct OutlinePiece {
   Vector3d middle_m;
@@ -228,6 +212,18 @@ void look_from_all_sides(Candidate& candidate, const FeatureShape& shape,
 
 }  // namespace
 
+std::set<std::string> parts_about(const Mesh& mesh, const Vector3d& position_m, double reach_m) {
+  std::set<std::string> names;
+  for (const Triangle& triangle : mesh.triangles) {
+    const std::string& name = mesh.parts[triangle.part].name;
+    if (is_moving_part(name)) continue;
+    const bool is_near = std::ranges::any_of(
+        triangle.vertex, [&](int v) { return (mesh.vertices[v] - position_m).norm() <= reach_m; });
+    if (is_near) names.insert(name);
+  }
+  return names;
+}
+
 std::vector<Candidate> rounded_tips(const Mesh& mesh, const Occluder& occluder,
                                     const std::vector<Vector3d>& directions) {
   const Bounds box = bounds(mesh);
@@ -241,7 +237,9 @@ std::vector<Candidate> rounded_tips(const Mesh& mesh, const Occluder& occluder,
     candidate.feature.clearance_m =
         occluder.distance_m(tip.position_m) + tip.spread_m / 2 + kSurfaceClearance * size_m;
     candidate.feature.reach_m = kTipReach * size_m;
-    candidate.feature.parts = parts_at(mesh, tip, kTipRadius * size_m);
+    std::set<std::string> parts = parts_about(mesh, tip.position_m, kTipRadius * size_m);
+    parts.insert(mesh.parts[tip.part].name);
+    candidate.feature.parts.assign(parts.begin(), parts.end());
     features.push_back(candidate.feature);
     candidates.push_back(std::move(candidate));
   }

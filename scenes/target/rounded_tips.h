@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <set>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,6 +13,16 @@
 #include "scenes/target/candidate.h"
 
 namespace sightline {
+
+/// Of the target's size: extreme points this near to each other are one tip, to whose outline parts
+/// as near belong; and how far from the tip its outline reaches.
+inline constexpr double kTipRadius = 0.03;
+inline constexpr double kTipReach = 0.05;
+
+/// The parts that have something within reach of a place, but for those that move: their outlines
+/// make the one there.
+std::set<std::string> parts_about(const Mesh& mesh, const Eigen::Vector3d& position_m,
+                                  double reach_m);
 
 /// Where a rounded target sticks out, as contour features: noses, the tips of elliptical wings,
 /// tails. `directions` are those towards the eyes; lengths in the options are fractions of the

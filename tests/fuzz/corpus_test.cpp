@@ -46,6 +46,10 @@ TEST(FuzzCorpus, Picture) {
   replay("picture", fuzz_picture);
 }
 
+TEST(FuzzCorpus, Radiance) {
+  replay("radiance", fuzz_radiance);
+}
+
 TEST(FuzzCorpus, Json) {
   replay("json", fuzz_json);
 }

@@ -20,6 +20,7 @@
 #include "scenes/files/toml_table.h"
 #include "scenes/mesh/mesh_soup.h"
 #include "scenes/picture/picture_file.h"
+#include "scenes/picture/radiance_file.h"
 
 namespace sightline {
 namespace {
@@ -123,6 +124,12 @@ void fuzz_picture(std::string_view bytes) {
     require(pixels <= kMaxPicturePixels);
     if (channels == PictureChannels::kGrey && pixels > 0) require(reading.pixels.type() == CV_8UC1);
   }
+}
+
+void fuzz_radiance(std::string_view bytes) {
+  const PictureReading reading = decode_radiance(bytes);
+  require(reading.pixels.empty() != reading.problem.empty());
+  if (!reading.pixels.empty()) require(reading.pixels.type() == CV_32FC3);
 }
 
 void fuzz_json(std::string_view bytes) {

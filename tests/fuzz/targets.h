@@ -23,6 +23,9 @@ void fuzz_toml(std::string_view bytes);
 /// A PNG, JPEG or TIFF, as stored and as grey.
 void fuzz_picture(std::string_view bytes);
 
+/// A panorama, OpenEXR's or Radiance's.
+void fuzz_radiance(std::string_view bytes);
+
 /// A JSON file of a data set or a run, through every getter.
 void fuzz_json(std::string_view bytes);
 

@@ -266,6 +266,107 @@ TEST(LinesInConsensus, TellWhetherTheKeptLookLikeNoise) {
   EXPECT_TRUE(understated.diagnosis->is_test_failed.value() || has_removed);
 }
 
+TEST(LinesInConsensus, AThirdOfWrongLinesIsRemovedFromAPoorStart) {
+  Draw draw(95);
+  int right = 0;
+  for (int k = 0; k < 20; ++k) {
+    Synthetic s = cube_with_lines(0.5, 1, draw);
+    s.problem.pixels.clear();
+    s.problem.points_in_target.clear();
+    for (const int i : {0, 3, 6, 9}) {
+      shift(s.problem.lines[static_cast<size_t>(i)], draw.uniform(8, 20));
+    }
+    Vector6d error = Vector6d::Zero();
+    error.head<3>() = 0.25 * draw.vector().normalized();
+    s.problem.initial_cam_from_target = retract(s.cam_from_target, error);
+    const PoseEstimate estimate = solver("consensus").solve(s.problem);
+    right += estimate.status == PoseStatus::kOk &&
+             estimate.removed_lines == std::vector<int>{0, 3, 6, 9} &&
+             turn_rad(estimate, s.cam_from_target) < 0.02;
+  }
+  EXPECT_GE(right, 18);
+}
+
+TEST(LinesInConsensus, BetweenMirrorPosesTheInitialOneDecides) {
+  Draw draw(96);
+  Synthetic s;
+  const std::vector<Eigen::Vector3d> square = {{-0.5, -0.5, 0}, {0.5, -0.5, 0}, {0.5, 0.5, 0},
+                                               {-0.5, 0.5, 0},  {0.2, -0.1, 0}, {0, 0.3, 0}};
+  const Pose truth = {rotation_from_vector({0.3, 0.2, 0.1}), {0.1, 0, 140}};
+  s = exact_problem(centred_camera(512, 512, 15000), square, truth);
+  add_noise(s.problem, 1, draw);
+  s.problem.sigma_px = 1;
+  for (size_t i = 0; i < 4; ++i) {
+    LineObservation line = exact_line(s.problem.camera, truth, {square[i], square[(i + 1) % 4]}, 5);
+    add_noise(line, draw);
+    s.problem.lines.push_back(line);
+  }
+  s.problem.initial_cam_from_target = truth;
+  const PoseEstimate near_truth = solver("consensus").solve(s.problem);
+  ASSERT_EQ(near_truth.status, PoseStatus::kOk);
+  ASSERT_TRUE(near_truth.diagnosis->is_ambiguous.value());
+  EXPECT_LT(turn_rad(near_truth, truth), 0.2);
+  const Pose mirror = near_truth.second_cam_from_target.value();
+  EXPECT_GT(geodesic_angle_rad(mirror.rotation, truth.rotation), 0.3);
+  s.problem.initial_cam_from_target = mirror;
+  const PoseEstimate near_mirror = solver("consensus").solve(s.problem);
+  ASSERT_TRUE(near_mirror.diagnosis->is_ambiguous.value());
+  EXPECT_LT(turn_rad(near_mirror, mirror), 0.2);
+}
+
+TEST(LinesInConsensus, NoiseThatIsUnderstatedALittleFailsTheTest) {
+  Draw draw(97);
+  int failed = 0;
+  for (int k = 0; k < 20; ++k) {
+    Synthetic s = cube_with_lines(0.8, 1.6, draw);
+    s.problem.sigma_px = 0.5;
+    for (LineObservation& line : s.problem.lines) line.covariance *= 0.5 * 0.5 / (0.8 * 0.8);
+    const PoseEstimate estimate = solver("consensus").solve(s.problem);
+    failed += estimate.diagnosis->is_test_failed.value();
+  }
+  EXPECT_GE(failed, 15);
+}
+
+// Somewhere between right and wrong, a point says less than nothing: whether it counts is one more
+// doubt, so that the pose is known less well than without it.
+TEST(LinesInConsensus, DoubtOfAnObservationWidensTheCovariance) {
+  Draw draw(98);
+  const Synthetic s = cube_with_lines(0.5, 2, draw);
+  for (double off_px = 1; off_px < 6; off_px += 0.05) {
+    PoseProblem problem = s.problem;
+    problem.pixels[3].x() += off_px;
+    const PoseEstimate doubtful = solver("consensus").solve(problem);
+    const double probability = doubtful.inlier_probabilities.value()[3];
+    if (probability < 0.4 || probability > 0.6) continue;
+    problem.pixels.erase(problem.pixels.begin() + 3);
+    problem.points_in_target.erase(problem.points_in_target.begin() + 3);
+    const PoseEstimate without = solver("consensus").solve(problem);
+    EXPECT_GT(doubtful.covariance->trace(), without.covariance->trace());
+    return;
+  }
+  FAIL() << "no shift leaves the point in doubt";
+}
+
+// At a random attitude one of thirty edges is seen along the normal of its line: a fit that needs a
+// residual of each would begin nowhere.
+TEST(LinesInLeastSquares, BeginWhereSomeHaveNoResidual) {
+  Draw draw(99);
+  const Camera camera = centred_camera(512, 512, 15000);
+  for (int k = 0; k < 3; ++k) {
+    const Pose truth = cube_pose(draw);
+    PoseProblem problem;
+    problem.camera = camera;
+    for (int i = 0; i < 200; ++i) {
+      LineObservation line = exact_line(camera, truth, {draw.in_box(0.5), draw.in_box(0.5)}, 0.5);
+      add_noise(line, draw);
+      problem.lines.push_back(line);
+    }
+    const PoseEstimate estimate = solver("lspe").solve(problem);
+    ASSERT_EQ(estimate.status, PoseStatus::kOk) << k;
+    EXPECT_LT(turn_rad(estimate, truth), 0.01) << k;
+  }
+}
+
 TEST(SolversWithoutLines, LookAtThePointsAlone) {
   Draw draw(90);
   const Synthetic s = cube_with_lines(0.5, 1, draw);
