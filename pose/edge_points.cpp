@@ -3,8 +3,10 @@
 #include "pose/edge_points.h"
 
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 namespace sightline {
 namespace {
@@ -17,51 +19,68 @@ struct Offset {
 
 /// Offsets that err independently and together say what the line says.
 std::array<Offset, 2> independent_offsets(const Eigen::Matrix2d& covariance) {
-  const double pivot_px = -covariance(0, 1) / covariance(1, 1);
-  const double variance_px2 =
-      covariance(0, 0) - covariance(0, 1) * covariance(0, 1) / covariance(1, 1);
-  const double half_px = std::sqrt(variance_px2 / covariance(1, 1));
+  const double inverse_slope = 1 / covariance(1, 1);
+  const double pivot_px = -covariance(0, 1) * inverse_slope;
+  const double variance_px2 = covariance(0, 0) + pivot_px * covariance(0, 1);
+  const double half_px = std::sqrt(variance_px2 * inverse_slope);
   return {{{pivot_px - half_px, 2 * variance_px2}, {pivot_px + half_px, 2 * variance_px2}}};
 }
 
-/// The edge point of a pixel on a line. The lens turns the line and stretches the way across it.
-std::optional<EdgePoint> edge_point(const LineObservation& line, const Camera& camera,
-                                    const Offset& offset) {
-  const Eigen::Vector2d direction = line.direction.normalized();
-  const Eigen::Vector2d normal(-direction.y(), direction.x());
-  const auto ray = normalised_from_pixel(camera, line.pixel + offset.along_px * direction);
+/// A pixel and a direction there without the lens. With M the derivative of (x/z, y/z) by the
+/// pixel, a line along `direction` goes along M direction, and a way of one pixel across it is
+/// det(M) / |M direction| across that.
+struct Unbent {
+  Eigen::Vector2d ray;
+  Eigen::Vector2d along;
+  double determinant;
+};
+
+std::optional<Unbent> unbent(const Camera& camera, const Eigen::Vector2d& pixel,
+                             const Eigen::Vector2d& direction) {
+  const double u = 1 / camera.fx_px, v = 1 / camera.fy_px;
+  if (is_straight(camera)) {
+    const double x = u * (pixel.x() - camera.cx_px), y = v * (pixel.y() - camera.cy_px);
+    if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
+    return Unbent{{x, y}, {u * direction.x(), v * direction.y()}, u * v};
+  }
+  const auto ray = normalised_from_pixel(camera, pixel);
   if (!ray) return std::nullopt;
-  Eigen::Matrix2d ray_per_px =
-      Eigen::Vector2d(1 / camera.fx_px, 1 / camera.fy_px).asDiagonal().toDenseMatrix();
-  if (!is_straight(camera)) ray_per_px *= lens_jacobian(camera, *ray).inverse();
-  const Eigen::Vector2d along = (ray_per_px * direction).normalized();
-  const Eigen::Vector2d across(-along.y(), along.x());
-  EdgePoint point;
-  point.begin_in_target = line.begin_in_target;
-  point.end_in_target = line.end_in_target;
-  point.ray = *ray;
-  point.normal_per_px = across.dot(ray_per_px * normal) * across;
-  point.variance_px2 = offset.variance_px2;
-  return point;
+  const Eigen::Matrix2d m =
+      Eigen::Vector2d(u, v).asDiagonal() * lens_jacobian(camera, *ray).inverse();
+  return Unbent{*ray, m * direction, m.determinant()};
+}
+
+/// Adds the edge point of a pixel on a line along a unit vector.
+bool add_edge_point(const LineObservation& line, const Eigen::Vector2d& direction,
+                    const Camera& camera, const Offset& offset, EdgePoints& points) {
+  const auto place = unbent(camera, line.pixel + offset.along_px * direction, direction);
+  if (!place) return false;
+  const double x = place->along.x(), y = place->along.y();
+  const double stretch = place->determinant / (x * x + y * y);
+  points.add({line.begin_in_target,
+              line.end_in_target,
+              place->ray,
+              {-stretch * y, stretch * x},
+              offset.variance_px2});
+  return true;
 }
 
 }  // namespace
 
 std::optional<EdgePoints> edge_points_of(const LineObservation& line, const Camera& camera) {
   if (!is_usable(line)) return std::nullopt;
-  EdgePoints points;
+  const Eigen::Vector2d direction = line.direction.normalized();
+  std::optional<EdgePoints> points(std::in_place);
   const auto add = [&](const Offset& offset) {
-    const auto point = edge_point(line, camera, offset);
-    if (point) points.add(*point);
-    return point.has_value();
+    return add_edge_point(line, direction, camera, offset, *points);
   };
+  bool is_seen = true;
   if (!std::isfinite(line.covariance(1, 1))) {
-    if (!add({0, line.covariance(0, 0)})) return std::nullopt;
-    return points;
+    is_seen = add({0, line.covariance(0, 0)});
+  } else {
+    for (const Offset& offset : independent_offsets(line.covariance)) is_seen &= add(offset);
   }
-  for (const Offset& offset : independent_offsets(line.covariance)) {
-    if (!add(offset)) return std::nullopt;
-  }
+  if (!is_seen) points.reset();
   return points;
 }
 

@@ -58,7 +58,7 @@ kernel::RigidPose rigid_from(const Pose& pose);
 Matrix6d hessian_of(const kernel::NormalEquations& model);
 
 /// The inverse of a fit's Hessian, which is the covariance at unit noise. None where it is not
-/// positive definite by a margin, as of inverse_information.
+/// positive definite to rounding, as of inverse_information.
 std::optional<Matrix6d> inverse_of(const kernel::NormalEquations& model);
 
 /// The information matrix J^T W J of the points at a pose. None when a point of weight other than

@@ -7,6 +7,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "pose/kernels/reprojection_kernel.h"
 #include "pose/point_spread.h"
 
 namespace sightline {
@@ -136,18 +137,14 @@ std::optional<Reprojection> reproject(const Correspondences& c, std::size_t inde
 }
 
 std::optional<Matrix6d> inverse_information(const Matrix6d& information) {
-  /// Of the correlation matrix: the part of a parameter's information that the others leave it.
-  /// Rounding in the sums leaves about 1e-15.
-  constexpr double kSmallestPivot = 1e-13;
   const Vector6d diagonal = information.diagonal();
   if (!information.allFinite() || !(diagonal.minCoeff() > 0)) return std::nullopt;
   const Vector6d scale = diagonal.cwiseSqrt().cwiseInverse();
   const Matrix6d correlation = scale.asDiagonal() * information * scale.asDiagonal();
   const Eigen::LLT<Matrix6d> cholesky(correlation);
   if (cholesky.info() != Eigen::Success) return std::nullopt;
-  const Matrix6d root = cholesky.matrixL();
-  if (!(root.diagonal().minCoeff() > std::sqrt(kSmallestPivot))) return std::nullopt;
   const Matrix6d inverse = cholesky.solve(Matrix6d::Identity());
+  if (!(inverse.diagonal().maxCoeff() < kernel::kLargestInflation)) return std::nullopt;
   return scale.asDiagonal() * inverse * scale.asDiagonal();
 }
 

@@ -67,8 +67,8 @@ std::optional<Eigen::Vector2d> residual_px(const Correspondences& c, std::size_t
 std::optional<Reprojection> reproject(const Correspondences& c, std::size_t index,
                                       const Pose& cam_from_centred);
 
-/// The inverse of an information matrix, which is a covariance. None unless the matrix is positive
-/// definite by a margin, whatever the units of its rows.
+/// The inverse of an information matrix, which is a covariance. None where the matrix is singular
+/// to rounding (kernel::kLargestInflation), whatever the units of its rows.
 std::optional<Matrix6d> inverse_information(const Matrix6d& information);
 
 }  // namespace sightline

@@ -26,44 +26,15 @@ constexpr double kFarFromMiddle = 10;
 constexpr double kFarFromTarget = 1e5;
 /// How far from a rigid pose the numbers of an initial pose may be: four decimals are within 1e-3.
 constexpr double kRoundedRotation = 1e-2;
+/// What rounding in a product of rotations, and in its transpose times itself, leaves.
+constexpr double kRoundedProduct = 1e-15;
 /// The image is taken for at least this many areas of the noise: where the pixels are spread no
 /// wider, they cannot tell an outlier from noise anyway.
 constexpr double kSmallestImage = 400;
 
-/// A point that can be used, still in metres and pixels.
-struct UsablePoint {
-  int index = 0;
-  Eigen::Vector3d x_in_target;
-  Eigen::Vector2d pixel;  ///< without lens, relative to the principal point
-  Eigen::Matrix2d whitening = Eigen::Matrix2d::Identity();
-};
-
 template <typename Vector>
 bool is_manageable(const Vector& v) {
   return v.allFinite() && v.cwiseAbs().maxCoeff() < kLargestNumber;
-}
-
-std::optional<UsablePoint> usable_point(const PoseProblem& problem, std::size_t i) {
-  const Camera& camera = problem.camera;
-  UsablePoint p;
-  p.index = static_cast<int>(i);
-  p.x_in_target = problem.points_in_target[i];
-  if (!is_manageable(p.x_in_target) || !problem.pixels[i].allFinite()) return std::nullopt;
-  p.pixel = problem.pixels[i] - Eigen::Vector2d(camera.cx_px, camera.cy_px);
-  if (!is_straight(camera)) {
-    const auto ray = normalised_from_pixel(camera, problem.pixels[i]);
-    // Beyond two folds the lens model turns the image about, which no lens does.
-    if (!ray || !(distortion_jacobian(camera.lens, *ray).trace() > 0)) return std::nullopt;
-    p.pixel = {camera.fx_px * ray->x(), camera.fy_px * ray->y()};
-  }
-  if (!is_manageable(p.pixel)) return std::nullopt;
-  if (problem.covariances_px2.empty()) return p;
-  const auto whitening = whitening_of(problem.covariances_px2[i]);
-  if (!whitening) return std::nullopt;
-  const Eigen::Vector2d normalised(p.pixel.x() / camera.fx_px, p.pixel.y() / camera.fy_px);
-  p.whitening = *whitening * lens_jacobian(camera, normalised);
-  const double determinant = std::abs(p.whitening.determinant());
-  return determinant > 0 && std::isfinite(determinant) ? std::optional(p) : std::nullopt;
 }
 
 double median_of(std::vector<double> values) {
@@ -240,11 +211,34 @@ std::optional<Pose> rigid_pose(const std::optional<Pose>& pose) {
   }
   const Eigen::Matrix3d& r = pose->rotation;
   const Eigen::Matrix3d excess = r.transpose() * r - Eigen::Matrix3d::Identity();
-  if (!(excess.cwiseAbs().maxCoeff() < kRoundedRotation) || !(r.determinant() > 0)) {
-    return std::nullopt;
-  }
+  const double off = excess.cwiseAbs().maxCoeff();
+  if (!(off < kRoundedRotation) || !(r.determinant() > 0)) return std::nullopt;
+  if (off < kRoundedProduct) return pose;
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(r, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return Pose{svd.matrixU() * svd.matrixV().transpose(), pose->translation};
+}
+
+std::optional<UsablePoint> usable_point(const PoseProblem& problem, std::size_t i) {
+  const Camera& camera = problem.camera;
+  UsablePoint p;
+  p.index = static_cast<int>(i);
+  p.x_in_target = problem.points_in_target[i];
+  if (!is_manageable(p.x_in_target) || !problem.pixels[i].allFinite()) return std::nullopt;
+  p.pixel = problem.pixels[i] - Eigen::Vector2d(camera.cx_px, camera.cy_px);
+  if (!is_straight(camera)) {
+    const auto ray = normalised_from_pixel(camera, problem.pixels[i]);
+    // Beyond two folds the lens model turns the image about, which no lens does.
+    if (!ray || !(distortion_jacobian(camera.lens, *ray).trace() > 0)) return std::nullopt;
+    p.pixel = {camera.fx_px * ray->x(), camera.fy_px * ray->y()};
+  }
+  if (!is_manageable(p.pixel)) return std::nullopt;
+  if (problem.covariances_px2.empty()) return p;
+  const auto whitening = whitening_of(problem.covariances_px2[i]);
+  if (!whitening) return std::nullopt;
+  const Eigen::Vector2d normalised(p.pixel.x() / camera.fx_px, p.pixel.y() / camera.fy_px);
+  p.whitening = *whitening * lens_jacobian(camera, normalised);
+  const double determinant = std::abs(p.whitening.determinant());
+  return determinant > 0 && std::isfinite(determinant) ? std::optional(p) : std::nullopt;
 }
 
 std::vector<int> unusable_points(const PoseProblem& problem) {

@@ -62,8 +62,20 @@ struct PreparedCloud {
 /// pixels are one.
 double image_unit_px(const std::vector<Eigen::Vector2d>& pixels, double typical_noise_px);
 
-/// The points that cannot be used, ascending, as prepare_cloud leaves them out. The lists must be
+/// A point of a problem that can be used, in the problem's own units.
+struct UsablePoint {
+  int index = 0;  ///< in the problem
+  Eigen::Vector3d x_in_target;
+  Eigen::Vector2d pixel;  ///< without lens, relative to the principal point
+  /// What makes its residual one of unit noise where pixels have covariances, else the identity.
+  Eigen::Matrix2d whitening = Eigen::Matrix2d::Identity();
+};
+
+/// None where the point cannot be used, as prepare_cloud leaves it out. The problem's lists must be
 /// of one length.
+std::optional<UsablePoint> usable_point(const PoseProblem& problem, std::size_t i);
+
+/// The points that cannot be used, ascending.
 std::vector<int> unusable_points(const PoseProblem& problem);
 
 /// A pose that is rigid but for rounding, to four decimals, made so; none for anything else.

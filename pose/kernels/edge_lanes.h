@@ -75,10 +75,10 @@ inline EdgeResidualLanes edge_residual(const EdgeLanes& e, const RigidPose& pose
   return out;
 }
 
-/// Adds the edges to a model of the points. False where one that counts has no residual.
+/// Adds the edges to the sums of a model of the points: its numbers in their order, lane by lane.
+/// False where one that counts has no residual.
 inline bool add_edges(const EdgeLanes* edges, std::size_t count, const RigidPose& pose,
-                      NormalEquations& model) {
-  Lanes sums[28] = {};
+                      Lanes (&sums)[28]) {
   Mask is_undefined = {};
   for (std::size_t i = 0; i < count; ++i) {
     const EdgeResidualLanes e = edge_residual(edges[i], pose);
@@ -95,13 +95,7 @@ inline bool add_edges(const EdgeLanes* edges, std::size_t count, const RigidPose
       for (int column = row; column < 6; ++column) sums[next++] += wj * e.j[column];
     }
   }
-  if (is_any(is_undefined)) return false;
-  double* const out = &model.cost;
-#pragma GCC unroll 7
-  for (int i = 0; i < 28; i += 4) {
-    store(load(out + i) + lane_sums(sums[i], sums[i + 1], sums[i + 2], sums[i + 3]), out + i);
-  }
-  return true;
+  return !is_any(is_undefined);
 }
 
 }  // namespace sightline::kernel

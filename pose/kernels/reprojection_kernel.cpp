@@ -17,8 +17,7 @@
 namespace sightline::kernel {
 namespace {
 
-inline bool evaluate(const PointLanes* points, std::size_t count, const RigidPose& pose,
-                     NormalEquations& model) {
+inline bool evaluate(const Observed& observed, const RigidPose& pose, NormalEquations& model) {
   const Lanes zero = {};
   Lanes cost = zero;
   Lanes g0 = zero, g1 = zero, g2 = zero, g3 = zero, g4 = zero, g5 = zero;
@@ -27,8 +26,8 @@ inline bool evaluate(const PointLanes* points, std::size_t count, const RigidPos
   Lanes h22 = zero, h23 = zero, h24 = zero, h25 = zero;
   Lanes h33 = zero, h34 = zero, h35 = zero, h44 = zero, h45 = zero, h55 = zero;
   Mask is_behind = {};
-  for (std::size_t i = 0; i < count; ++i) {
-    const PointLanes& p = points[i];
+  for (std::size_t i = 0; i < observed.point_count; ++i) {
+    const PointLanes& p = observed.points[i];
     const Lanes w_uu = lanes_of(p.w_uu), w_uv = lanes_of(p.w_uv), w_vv = lanes_of(p.w_vv);
     const ReprojectedLanes e = reproject(p, pose);
     is_behind |= e.is_behind;
@@ -71,21 +70,18 @@ inline bool evaluate(const PointLanes* points, std::size_t count, const RigidPos
     cost += ru * (w_uu * ru + w_uv * rv) + rv * (w_uv * ru + w_vv * rv);
   }
   if (is_any(is_behind)) return false;
+  Lanes sums[28] = {0.5 * cost, g0,  g1,  g2,  g3,  g4,  g5,  h00, h01, h02, h03, h04, h05, h11,
+                    h12,        h13, h14, h15, h22, h23, h24, h25, h33, h34, h35, h44, h45, h55};
+  if (observed.edge_count > 0 && !add_edges(observed.edges, observed.edge_count, pose, sums)) {
+    return false;
+  }
   static_assert(sizeof model == 28 * sizeof(double));
   double* const out = &model.cost;
-  store(lane_sums(0.5 * cost, g0, g1, g2), out);
-  store(lane_sums(g3, g4, g5, h00), out + 4);
-  store(lane_sums(h01, h02, h03, h04), out + 8);
-  store(lane_sums(h05, h11, h12, h13), out + 12);
-  store(lane_sums(h14, h15, h22, h23), out + 16);
-  store(lane_sums(h24, h25, h33, h34), out + 20);
-  store(lane_sums(h35, h44, h45, h55), out + 24);
+#pragma GCC unroll 7
+  for (int i = 0; i < 28; i += 4) {
+    store(lane_sums(sums[i], sums[i + 1], sums[i + 2], sums[i + 3]), out + i);
+  }
   return true;
-}
-
-inline bool evaluate(const Observed& observed, const RigidPose& pose, NormalEquations& model) {
-  if (!evaluate(observed.points, observed.point_count, pose, model)) return false;
-  return observed.edge_count == 0 || add_edges(observed.edges, observed.edge_count, pose, model);
 }
 
 /// What the model says that a step gains: -g.delta - 1/2 delta.H delta, with (H + damping diag H)
@@ -209,7 +205,7 @@ class LanesFit {
 SIGHTLINE_MULTIVERSION
 bool normal_equations(const PointLanes* lanes, std::size_t count, const RigidPose& pose,
                       NormalEquations& model) {
-  return evaluate(lanes, count, pose, model);
+  return evaluate({.points = lanes, .point_count = count}, pose, model);
 }
 
 SIGHTLINE_MULTIVERSION
@@ -230,7 +226,6 @@ Fit fit(const Observed& observed, const RigidPose& start, int max_iterations,
 
 SIGHTLINE_MULTIVERSION
 bool invert(const double (&hessian)[21], double (&inverse)[21]) {
-  constexpr double kSmallestPivot = 1e-13;
   double scale[6];
   for (int i = 0; i < 6; ++i) {
     const double d = hessian[at(i, i)];
@@ -245,9 +240,6 @@ bool invert(const double (&hessian)[21], double (&inverse)[21]) {
   }
   Factor f;
   if (!factorise(correlation, 0, f)) return false;
-  for (int i = 0; i < 6; ++i) {
-    if (!(f.inverse_d[i] * kSmallestPivot < 1)) return false;
-  }
   // V = U^-1, then the inverse is V D^-1 V^T.
   double v[21];
 #pragma GCC unroll 6
@@ -268,6 +260,7 @@ bool invert(const double (&hessian)[21], double (&inverse)[21]) {
       double sum = 0;
 #pragma GCC unroll 6
       for (int k = j; k < 6; ++k) sum += v[at(i, k)] * f.inverse_d[k] * v[at(j, k)];
+      if (i == j && !(sum < kLargestInflation)) return false;
       inverse[at(i, j)] = sum * scale[i] * scale[j];
     }
   }

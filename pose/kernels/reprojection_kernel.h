@@ -84,9 +84,13 @@ struct Fit {
 Fit fit(const Observed& observed, const RigidPose& start, int max_iterations,
         double step_tolerance);
 
-/// The inverse of a symmetric positive definite 6x6 matrix, upper triangles row by row. False
-/// when a pivot, with the diagonal scaled to ones, is below 1e-13: rounding in the sums leaves
-/// about 1e-15.
+/// By how much its correlation with the others may inflate the variance of a number before what is
+/// left of its information is rounding, which leaves about 1e-15 in the sums.
+inline constexpr double kLargestInflation = 1e13;
+
+/// The inverse of a symmetric positive definite 6x6 matrix, upper triangles row by row. False where
+/// it is singular to rounding (kLargestInflation). A pivot may stay well above rounding in a
+/// matrix that is singular to it; the inverse does not.
 bool invert(const double (&hessian)[21], double (&inverse)[21]);
 
 /// ln det of a symmetric positive definite 6x6 matrix, upper triangle row by row; NaN otherwise.

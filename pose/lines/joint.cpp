@@ -16,30 +16,31 @@ namespace sightline::lines {
 namespace {
 
 /// The inverse covariance of a point in pixels without lens.
-Eigen::Matrix2d weight_of(const PoseProblem& problem, std::size_t i, const Eigen::Vector2d& ray) {
-  const Eigen::Matrix2d lens = lens_jacobian(problem.camera, ray);
-  if (!problem.covariances_px2.empty()) {
-    return lens.transpose() * problem.covariances_px2[i].inverse() * lens;
-  }
+Eigen::Matrix2d weight_of(const PoseProblem& problem, const consensus::UsablePoint& point) {
+  if (!problem.covariances_px2.empty()) return point.whitening.transpose() * point.whitening;
+  const Camera& camera = problem.camera;
   const double sigma_px = problem.sigma_px > 0 ? problem.sigma_px : 1;
-  return lens.transpose() * lens / (sigma_px * sigma_px);
+  const double weight = 1 / (sigma_px * sigma_px);
+  if (is_straight(camera)) return Eigen::Vector2d(weight, weight).asDiagonal();
+  const Eigen::Vector2d ray(point.pixel.x() / camera.fx_px, point.pixel.y() / camera.fy_px);
+  const Eigen::Matrix2d lens = lens_jacobian(camera, ray);
+  return weight * lens.transpose() * lens;
 }
 
 void add_points(const PoseProblem& problem, Joint& joint) {
-  const Camera& camera = problem.camera;
-  joint.ignored = consensus::unusable_points(problem);
   joint.points.points_in_centred.reserve(problem.pixels.size());
   joint.points.pixels.reserve(problem.pixels.size());
   joint.point_weights.reserve(problem.pixels.size());
   for (std::size_t i = 0; i < problem.pixels.size(); ++i) {
-    const int index = static_cast<int>(i);
-    if (std::ranges::binary_search(joint.ignored, index)) continue;
-    const auto ray = normalised_from_pixel(camera, problem.pixels[i]);
-    if (!ray) continue;
-    joint.observed.push_back({index, false, joint.points.size(), 2});
-    joint.points.points_in_centred.push_back(problem.points_in_target[i]);
-    joint.points.pixels.emplace_back(camera.fx_px * ray->x(), camera.fy_px * ray->y());
-    joint.point_weights.push_back(weight_of(problem, i, *ray));
+    const auto point = consensus::usable_point(problem, i);
+    if (!point) {
+      joint.ignored.push_back(static_cast<int>(i));
+      continue;
+    }
+    joint.observed.emplace_back(point->index, false, joint.points.size(), 2);
+    joint.points.points_in_centred.push_back(point->x_in_target);
+    joint.points.pixels.push_back(point->pixel);
+    joint.point_weights.push_back(weight_of(problem, *point));
   }
 }
 
@@ -52,7 +53,7 @@ void add_lines(const PoseProblem& problem, Joint& joint) {
       joint.ignored_lines.push_back(index);
       continue;
     }
-    joint.observed.push_back({index, true, joint.edges.size(), static_cast<int>(points->size())});
+    joint.observed.emplace_back(index, true, joint.edges.size(), static_cast<int>(points->size()));
     joint.edges.insert(joint.edges.end(), points->begin(), points->end());
   }
 }

@@ -19,9 +19,10 @@ bool is_better(const kernel::Fit& fit, const std::optional<kernel::Fit>& best) {
 
 /// Whether the fit from the initial pose converged near it: elsewhere is where it was not meant.
 bool is_near(const kernel::Fit& fit, const Pose& initial) {
-  constexpr double kNearRad = 0.5;
+  constexpr double kNearCosine = 0.88;  // of 0.5 radians; a turn by a has the trace 1 + 2 cos a
+  const Pose pose = pose_from(fit.pose);
   return fit.status == kernel::FitStatus::kConverged &&
-         geodesic_angle_rad(pose_from(fit.pose).rotation, initial.rotation) < kNearRad;
+         pose.rotation.cwiseProduct(initial.rotation).sum() > 1 + 2 * kNearCosine;
 }
 
 /// The best fit from the initial pose or, where there is none or it leads nowhere near, from all
