@@ -12,6 +12,7 @@
 
 #include "features/extractors/extractors.h"
 #include "features/shared_edges.h"
+#include "features/straight_window.h"
 
 namespace sightline {
 namespace {
@@ -145,6 +146,28 @@ Observation unseen(const FeaturePrediction& prediction, const cv::Rect& window,
   return observation;
 }
 
+// What the extractor finds; of one that looks for straight edges or outlines, in an image in which
+// no lens bends them.
+Observation extracted(const ExtractionInput& input, const FeatureExtractor& extractor) {
+  if (!extractor.needs_edges && !extractor.needs_mesh) return extractor.extract(input);
+  const Eigen::Vector2d& pixel = input.prediction.pixel;
+  const auto straight = StraightWindow::about(pixel, input.view.camera, input.image);
+  if (!straight) return extractor.extract(input);
+  const PredictedView view = straight->view_of(input.view, input.prediction);
+  const FeaturePrediction& prediction = view.features.front();
+  const cv::Rect window =
+      window_around(prediction.pixel, input.options.window_half_px, straight->image().size());
+  if (window.empty())
+    return unseen(input.prediction, input.window, ObservationStatus::kOutsideImage);
+  Observation found = straight->in_image(extractor.extract(
+      {straight->image(), view, prediction, input.options, window, input.background_grey}));
+  const int half_px = std::max(found.window.width, found.window.height) / 2;
+  found.predicted_px = pixel;
+  found.window = window_around(pixel, half_px, input.image.size());
+  if (found.window.empty()) found.window = input.window;
+  return found;
+}
+
 Observation observe(const cv::Mat& image, const PredictedView& view,
                     const FeaturePrediction& prediction, const FeatureExtractor& extractor,
                     const ExtractorOptions& options, std::optional<double> background_grey) {
@@ -156,7 +179,7 @@ Observation observe(const cv::Mat& image, const PredictedView& view,
   const ObservationStatus why_not = why_not_look(image(window));
   if (why_not != ObservationStatus::kFound) return unseen(prediction, window, why_not);
   const ExtractionInput input{image, view, prediction, options, window, background_grey};
-  Observation observation = extractor.extract(input);
+  Observation observation = extracted(input, extractor);
   if (options.is_gated && observation.status == ObservationStatus::kFound &&
       !is_within_search(input, observation.pixel)) {
     observation.status = ObservationStatus::kOutsideWindow;

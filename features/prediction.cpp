@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <variant>
 
 #include <Eigen/Geometry>
 
@@ -13,18 +12,13 @@
 namespace sightline {
 namespace {
 
-// Brown's and Conrady's lens bends a few pixels' error too little to matter here.
-bool is_lens_left_out(const Camera& camera) {
-  return std::holds_alternative<BrownConrady>(camera.lens);
-}
-
 // The derivative of the pixel by the point.
 Eigen::Matrix<double, 2, 3> pixel_by_point(const Camera& camera, const Eigen::Vector3d& x_in_cam) {
   const double z = x_in_cam.z();
   Eigen::Matrix<double, 2, 3> jacobian;
   jacobian << camera.fx_px / z, 0, -camera.fx_px * x_in_cam.x() / (z * z), 0, camera.fy_px / z,
       -camera.fy_px * x_in_cam.y() / (z * z);
-  if (is_lens_left_out(camera)) return jacobian;
+  if (is_straight(camera)) return jacobian;
   return lens_jacobian(camera, x_in_cam.head<2>() / z) * jacobian;
 }
 
@@ -85,7 +79,7 @@ Eigen::Vector2d image_direction(const Camera& camera, const Pose& cam_from_targe
   const Eigen::Vector3d d = cam_from_target.rotation * (edge.end_m - edge.begin_m);
   Eigen::Vector2d direction(camera.fx_px * (d.x() * x.z() - x.x() * d.z()),
                             camera.fy_px * (d.y() * x.z() - x.y() * d.z()));
-  if (!is_lens_left_out(camera)) {
+  if (!is_straight(camera)) {
     direction = (lens_jacobian(camera, x.head<2>() / x.z()) * direction).eval();
   }
   return direction.norm() > 0 ? Eigen::Vector2d(direction.normalized()) : Eigen::Vector2d::UnitX();

@@ -26,22 +26,28 @@ std::array<Offset, 2> independent_offsets(const Eigen::Matrix2d& covariance) {
   return {{{pivot_px - half_px, 2 * variance_px2}, {pivot_px + half_px, 2 * variance_px2}}};
 }
 
-/// A pixel and a direction there without the lens. With M the derivative of (x/z, y/z) by the
-/// pixel, a line along `direction` goes along M direction, and a way of one pixel across it is
-/// det(M) / |M direction| across that.
+/// A line without the lens. With M the derivative of (x/z, y/z) by the pixel, what goes along
+/// `direction` goes along M direction, and a way of one pixel across it is det(M) / |M direction|
+/// across that.
 struct Unbent {
   Eigen::Vector2d ray;
-  Eigen::Vector2d along;
+  Eigen::Vector2d along_per_px;
   double determinant;
+
+  Eigen::Vector2d normal_per_px() const {
+    const double x = along_per_px.x(), y = along_per_px.y();
+    const double stretch = determinant / (x * x + y * y);
+    return {-stretch * y, stretch * x};
+  }
 };
 
 std::optional<Unbent> unbent(const Camera& camera, const Eigen::Vector2d& pixel,
                              const Eigen::Vector2d& direction) {
   const double u = 1 / camera.fx_px, v = 1 / camera.fy_px;
   if (is_straight(camera)) {
-    const double x = u * (pixel.x() - camera.cx_px), y = v * (pixel.y() - camera.cy_px);
-    if (!std::isfinite(x) || !std::isfinite(y)) return std::nullopt;
-    return Unbent{{x, y}, {u * direction.x(), v * direction.y()}, u * v};
+    return Unbent{{u * (pixel.x() - camera.cx_px), v * (pixel.y() - camera.cy_px)},
+                  {u * direction.x(), v * direction.y()},
+                  u * v};
   }
   const auto ray = normalised_from_pixel(camera, pixel);
   if (!ray) return std::nullopt;
@@ -50,38 +56,36 @@ std::optional<Unbent> unbent(const Camera& camera, const Eigen::Vector2d& pixel,
   return Unbent{*ray, m * direction, m.determinant()};
 }
 
-/// Adds the edge point of a pixel on a line along a unit vector.
-bool add_edge_point(const LineObservation& line, const Eigen::Vector2d& direction,
-                    const Camera& camera, const Offset& offset, EdgePoints& points) {
-  const auto place = unbent(camera, line.pixel + offset.along_px * direction, direction);
-  if (!place) return false;
-  const double x = place->along.x(), y = place->along.y();
-  const double stretch = place->determinant / (x * x + y * y);
-  points.add({line.begin_in_target,
-              line.end_in_target,
-              place->ray,
-              {-stretch * y, stretch * x},
-              offset.variance_px2});
-  return true;
+EdgePoint edge_point(const LineObservation& line, const Unbent& seen, const Offset& offset) {
+  const double x = seen.ray.x() + offset.along_px * seen.along_per_px.x();
+  const double y = seen.ray.y() + offset.along_px * seen.along_per_px.y();
+  return {
+      line.begin_in_target, line.end_in_target, {x, y}, seen.normal_per_px(), offset.variance_px2};
 }
 
 }  // namespace
 
 std::optional<EdgePoints> edge_points_of(const LineObservation& line, const Camera& camera) {
   if (!is_usable(line)) return std::nullopt;
-  const Eigen::Vector2d direction = line.direction.normalized();
+  const auto seen = unbent(camera, line.pixel, line.direction.normalized());
+  if (!seen) return std::nullopt;
   std::optional<EdgePoints> points(std::in_place);
-  const auto add = [&](const Offset& offset) {
-    return add_edge_point(line, direction, camera, offset, *points);
-  };
-  bool is_seen = true;
   if (!std::isfinite(line.covariance(1, 1))) {
-    is_seen = add({0, line.covariance(0, 0)});
-  } else {
-    for (const Offset& offset : independent_offsets(line.covariance)) is_seen &= add(offset);
+    points->add(edge_point(line, *seen, {0, line.covariance(0, 0)}));
+    return points;
   }
-  if (!is_seen) points.reset();
+  for (const Offset& offset : independent_offsets(line.covariance)) {
+    points->add(edge_point(line, *seen, offset));
+    if (!std::isfinite((*points)[points->size() - 1].ray.sum())) return std::nullopt;
+  }
   return points;
+}
+
+std::optional<EdgePoint> edge_point_at(const LineObservation& line, const Camera& camera,
+                                       double along_px) {
+  if (!is_usable(line)) return std::nullopt;
+  const auto seen = unbent(camera, line.pixel, line.direction.normalized());
+  return seen ? std::optional(edge_point(line, *seen, {along_px, 1})) : std::nullopt;
 }
 
 std::optional<EdgeResidual> edge_residual(const EdgePoint& point, const Pose& cam_from_target) {

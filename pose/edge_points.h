@@ -48,8 +48,14 @@ class EdgePoints {
 };
 
 /// The edge points of a line; none where it cannot be used (is_usable) or the lens cannot be undone
-/// at one of them. To first order in the noise nothing is lost or gained.
+/// at its pixel. To first order in the noise nothing is lost or gained. Their places are along the
+/// line without the lens, where what touches the image of a straight edge is straight.
 std::optional<EdgePoints> edge_points_of(const LineObservation& line, const Camera& camera);
+
+/// The edge point of the line so many of its pixels from its own pixel, along its direction, with a
+/// variance of one; none as above.
+std::optional<EdgePoint> edge_point_at(const LineObservation& line, const Camera& camera,
+                                       double along_px);
 
 /// How far along the normal, from the pixel, the image of the edge passes (predicted - observed,
 /// px), and the derivative by (w, dt) in (Exp(w) R, t + dt).

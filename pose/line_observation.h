@@ -12,7 +12,8 @@ struct LineObservation {
   /// Two different points of the edge, metres.
   Eigen::Vector3d begin_in_target = Eigen::Vector3d::Zero();
   Eigen::Vector3d end_in_target = Eigen::Vector3d::UnitX();
-  /// A pixel on the line, amid the edge pixels that it was found by, and a vector along it.
+  /// A pixel on the line, amid the edge pixels that it was found by, and a vector along it. Through
+  /// a lens a straight edge is seen as a curve: then the line is the one that touches it there.
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Vector2d direction = Eigen::Vector2d::UnitX();
   /// Of the line's offset along its normal at `pixel` (px) and of its slope there (rad); the normal

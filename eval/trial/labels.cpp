@@ -43,19 +43,30 @@ bool shows_target(const cv::Mat& body_ids, const std::vector<Eigen::Vector2d>& p
   return 2 * static_cast<size_t>(count) >= pixels.size();
 }
 
-// RMS distance of a line's edge pixels from the image of a straight edge, which a lens may bend: it
-// is taken as straight over the length of the line, which is short.
+// Where a pixel would be if the camera had no lens; itself where that cannot be said.
+Eigen::Vector2d without_lens(const Camera& camera, const Eigen::Vector2d& pixel) {
+  if (is_pinhole(camera.lens)) return pixel;
+  Camera pinhole = camera;
+  pinhole.lens = {};
+  const auto ray = normalised_from_pixel(camera, pixel);
+  return ray ? pixel_from_normalised(pinhole, *ray) : pixel;
+}
+
+// RMS distance of a line's edge pixels from the image of a straight edge, without the lens, which
+// bends it.
 double distance_px(const ImageLine& line, const Scene& scene, const Edge& edge) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const auto begin = project(scene.camera, scene.cam_from_target * edge.begin_m);
-  const auto end = project(scene.camera, scene.cam_from_target * edge.end_m);
+  Camera pinhole = scene.camera;
+  pinhole.lens = {};
+  const auto begin = project(pinhole, scene.cam_from_target * edge.begin_m);
+  const auto end = project(pinhole, scene.cam_from_target * edge.end_m);
   if (!begin || !end || line.edge_pixels.empty()) return kInfinity;
   const Eigen::Vector2d along = *end - *begin;
   if (!(along.norm() > 0)) return kInfinity;
   const Eigen::Vector2d normal = Eigen::Vector2d(-along.y(), along.x()).normalized();
   double sum = 0;
   for (const Eigen::Vector2d& pixel : line.edge_pixels) {
-    const double distance = normal.dot(pixel - *begin);
+    const double distance = normal.dot(without_lens(scene.camera, pixel) - *begin);
     sum += distance * distance;
   }
   return std::sqrt(sum / static_cast<double>(line.edge_pixels.size()));

@@ -27,13 +27,12 @@ double error_sigmas(const LineObservation& line, const Camera& camera, const Pos
   return std::sqrt(squares);
 }
 
-// How far the true image of the edge passes a pixel of the line.
-double offset_px(LineObservation line, const Eigen::Vector2d& at, const Camera& camera,
+// How far the true image of the edge passes the line amid its edge pixels.
+double offset_px(const ImageLine& found, const LineObservation& line, const Camera& camera,
                  const Pose& truth) {
-  line.pixel = at;
-  line.covariance = Eigen::Vector2d(1, kInfinity).asDiagonal();
-  const auto points = edge_points_of(line, camera);
-  const auto residual = points ? edge_residual((*points)[0], truth) : std::nullopt;
+  const double along_px = found.direction.dot(seen_middle(found) - found.point);
+  const auto point = edge_point_at(line, camera, along_px);
+  const auto residual = point ? edge_residual(*point, truth) : std::nullopt;
   return residual ? residual->residual_px : kInfinity;
 }
 
@@ -54,7 +53,7 @@ std::vector<LineRecord> compare_lines(std::span<const Observation> observations,
       record.offset_slope_covariance = found.line.covariance(0, 1);
       record.slope_variance = found.line.covariance(1, 1);
       const LineObservation line = line_observation(found, target.features[observation.feature]);
-      record.offset_px = offset_px(line, seen_middle(found.line), camera, true_cam_from_target);
+      record.offset_px = offset_px(found.line, line, camera, true_cam_from_target);
       record.error_sigmas = error_sigmas(line, camera, true_cam_from_target);
       const bool is_wrong = std::abs(record.offset_px) > limits.line_px ||
                             record.error_sigmas > limits.outlier_sigmas ||

@@ -191,22 +191,18 @@ void add_floor(double sd_px, ImageLine& line) {
 
 // What the lines say of their edges: all that they say where they did not make a feature, and what
 // they say beyond it where they did. A line that few samples of its edge support is left out.
-std::vector<EdgeLine> edge_lines_of(const ExtractionInput& input,
-                                    const std::vector<FoundLine>& found,
+std::vector<EdgeLine> edge_lines_of(const std::vector<FoundLine>& found,
                                     const Observation& observation) {
   constexpr double kLeastSupport = 0.6;
-  // From the middle of its edge pixels, how far off a line's slope still counts. What a lens bends
-  // goes on straight no farther than it was seen.
+  // From the middle of its edge pixels, how far off a line's slope still counts.
   constexpr double kFarthestPx = 400;
-  constexpr double kFarthestOfLensPx = 20;
-  const double most_px = is_straight(input.view.camera) ? kFarthestPx : kFarthestOfLensPx;
   std::vector<EdgeLine> edge_lines;
   for (size_t i = 0; i < found.size(); ++i) {
     if (found[i].support < kLeastSupport) continue;
     std::optional<ImageLine> line = observation.lines[i];
     if (observation.status == ObservationStatus::kFound) {
       if (found[i].is_soft) add_floor(kSoftPx, *line);
-      line = beyond_offset_at(*line, observation.pixel, most_px);
+      line = beyond_offset_at(*line, observation.pixel, kFarthestPx);
     } else {
       add_floor(kAlonePx, *line);
     }
@@ -216,10 +212,10 @@ std::vector<EdgeLine> edge_lines_of(const ExtractionInput& input,
 }
 
 // What the only edge that is to be seen says.
-std::vector<EdgeLine> only_line(const ExtractionInput& input, const ModelLines& model) {
+std::vector<EdgeLine> only_line(const ModelLines& model) {
   Observation alone;
   for (const FoundLine& found : best_lines(model)) alone.lines.push_back(found.line);
-  return edge_lines_of(input, best_lines(model), alone);
+  return edge_lines_of(best_lines(model), alone);
 }
 
 // The observation found where the best lines meet, each refitted around the place where they met
@@ -231,7 +227,7 @@ Observation intersected(const ExtractionInput& input, const ModelLines& model,
   for (const FoundLine& line : found) lines.push_back(line.line);
   observation = found_at_meeting(std::move(observation), std::move(lines), kLeastMeetingDeg);
   if (observation.status != ObservationStatus::kFound) {
-    observation.edge_lines = edge_lines_of(input, found, observation);
+    observation.edge_lines = edge_lines_of(found, observation);
     return observation;
   }
   lines = observation.lines;
@@ -246,7 +242,7 @@ Observation intersected(const ExtractionInput& input, const ModelLines& model,
   if (observation.status == ObservationStatus::kFound && is_loose(input, observation)) {
     observation.status = ObservationStatus::kParallelLines;
   }
-  observation.edge_lines = edge_lines_of(input, found, observation);
+  observation.edge_lines = edge_lines_of(found, observation);
   return observation;
 }
 
@@ -292,7 +288,7 @@ Searched search(const ExtractionInput& input) {
     return {intersected(input, *model, std::move(observation))};
   }
   observation.status = ObservationStatus::kNoOutline;
-  if (model) observation.edge_lines = only_line(input, *model);
+  if (model) observation.edge_lines = only_line(*model);
   return {std::move(observation)};
 }
 

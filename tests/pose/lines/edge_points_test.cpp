@@ -169,18 +169,46 @@ TEST(EdgePoints, ALensIsUndoneWithTheNoise) {
   const auto points = edge_points_of(line, camera);
   ASSERT_TRUE(points);
   const Eigen::Vector2d normal(-line.direction.y(), line.direction.x());
+  const Eigen::Vector2d ray = *normalised_from_pixel(camera, line.pixel);
+  // At the line's pixel a step across it moves the ray by the normal's way, up to moves along it.
+  constexpr double kStepPx = 1e-4;
+  const auto moved = [&](const Eigen::Vector2d& way) -> Eigen::Vector2d {
+    return (*normalised_from_pixel(camera, line.pixel + kStepPx * way) - ray) / kStepPx;
+  };
   for (const EdgePoint& point : *points) {
-    // A pixel across the line moves the ray by the normal's way, up to moves along the line.
-    constexpr double kStepPx = 1e-4;
-    const Eigen::Vector2d pixel = pixel_from_normalised(camera, point.ray);
-    const Eigen::Vector2d moved =
-        (*normalised_from_pixel(camera, pixel + kStepPx * normal) - point.ray) / kStepPx;
     const Eigen::Vector2d across = point.normal_per_px.normalized();
-    EXPECT_NEAR(across.dot(moved), point.normal_per_px.norm(), 1e-6 * moved.norm());
-    const Eigen::Vector2d along =
-        *normalised_from_pixel(camera, pixel + kStepPx * line.direction) - point.ray;
-    EXPECT_NEAR(across.dot(along.normalized()), 0, 1e-6);
+    EXPECT_NEAR(across.dot(moved(normal)), point.normal_per_px.norm(),
+                1e-6 * moved(normal).norm());
+    EXPECT_NEAR(across.dot(moved(line.direction).normalized()), 0, 1e-6);
+    EXPECT_NEAR(across.dot((point.ray - ray).normalized()), 0, 1e-6);  // they lie along it
   }
+}
+
+// Where it touches the curve that a lens makes of a straight edge, a line has no residual at all,
+// however long the edge.
+TEST(EdgePoints, WhatTouchesTheImageOfAnEdgeIsItsLine) {
+  Camera camera = centred_camera(640, 480, 300);
+  camera.lens = BrownConrady{.k1 = -0.2, .k2 = 0.02};
+  Pose pose;
+  pose.translation = {0.3, -0.4, 2};
+  LineObservation line;
+  line.begin_in_target = {-1, 0.1, 0.3};
+  line.end_in_target = {0.8, -0.3, -0.2};
+  const auto seen = [&](double t) {
+    const Eigen::Vector3d along = line.end_in_target - line.begin_in_target;
+    return project(camera, pose * Eigen::Vector3d(line.begin_in_target + t * along)).value();
+  };
+  constexpr double kAt = 0.3, kStep = 1e-5;
+  line.pixel = seen(kAt);
+  line.direction = seen(kAt + kStep) - seen(kAt - kStep);
+  line.covariance = Eigen::Vector2d(1, 1e-4).asDiagonal();  // edge points 100 px to either side
+  const auto points = edge_points_of(line, camera);
+  ASSERT_TRUE(points);
+  for (const EdgePoint& point : *points) {
+    EXPECT_NEAR(edge_residual(point, pose).value().residual_px, 0, 1e-5);
+  }
+  const auto chord = edge_points_of(line, centred_camera(640, 480, 300));  // without the lens
+  EXPECT_GT(std::abs(edge_residual((*chord)[0], pose).value().residual_px), 0.5);
 }
 
 TEST(LineObservation, EdgePixelsMakeTheCovarianceOfAFittedLine) {
