@@ -4,9 +4,11 @@
 
 #include <utility>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "eval/output/csv_reader.h"
+#include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -58,6 +60,20 @@ TEST(CsvLine, EmptyFieldsKeepTheirPlaces) {
   line << "";
   line.empty_fields(2) << 1;
   EXPECT_EQ(std::move(line).end(), ",,,1\n");
+}
+
+// As editors on Windows save "Unicode": the text of an error would end at the first byte of 0.
+TEST(CsvReader, RefusesWhatIsNoText) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& text) {
+    return error_of([&] { CsvReader(folder.write("a.csv", text)); });
+  };
+  EXPECT_EQ(error("a,b\n"), "");
+  EXPECT_THAT(
+      error(std::string("\xFF\xFE"
+                        "a\0,\0b\0",
+                        8)),
+      testing::HasSubstr("a.csv: line 1 has a byte of value 0, which no text has: it may be"));
 }
 
 }  // namespace
