@@ -11,6 +11,7 @@
 #include <zlib.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/files/pauses.h"
 
 namespace sightline {
 namespace {
@@ -125,6 +126,7 @@ std::string read_input_file(const std::filesystem::path& file, uintmax_t most_by
 }
 
 bool read_bounded_line(std::istream& stream, std::string& line) {
+  pause_at_times();
   line.clear();
   std::streambuf& buffer = *stream.rdbuf();
   constexpr int kEnd = std::char_traits<char>::eof();
