@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <exception>
-#include <fstream>
 #include <string_view>
 #include <vector>
 
@@ -140,12 +139,14 @@ std::string coloured_ply_bytes(const Mesh& mesh) {
 }
 
 Mesh read_ply_as_it_is(const std::filesystem::path& file) {
-  std::ifstream stream = open_input_file(file, kMostModelBytes);
+  const auto stream = open_input_file(file, kMostModelBytes);
   std::vector<Point> points;
   std::vector<std::vector<size_t>> faces;
   bool is_read = false;
   try {
-    is_read = CGAL::IO::read_PLY(stream, points, faces, CGAL::parameters::verbose(false));
+    is_read = CGAL::IO::read_PLY(*stream, points, faces, CGAL::parameters::verbose(false));
+  } catch (const InputError&) {
+    throw;
   } catch (const std::exception&) {  // it is no promise of the reader that there is none
     is_read = false;
   }

@@ -6,8 +6,10 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "eval/datasets/bop/mask_runs.h"
 #include "eval/datasets/pictures.h"
 #include "renderer/truth.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
@@ -31,6 +33,12 @@ void hide_behind_others(const cv::Mat& visible_mask, Frame& frame) {
     feature.is_hidden_by_other = near_visible.at<uint8_t>(v, u) == 0;
     feature.is_visible = feature.is_visible && !feature.is_hidden_by_other;
   }
+}
+
+cv::Mat visible_mask_of(const Sighting& sighting) {
+  const bool is_picture = input_ending(sighting.visible_mask) != ".json";
+  return is_picture ? read_grey_picture(sighting.visible_mask)
+                    : read_mask_runs(sighting.visible_mask, sighting.gt_id);
 }
 
 }  // namespace
@@ -63,7 +71,7 @@ SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
   TextureCache textures;
   state_truth(scene, textures, out.frame);
   if (sighting.visible_mask.empty()) return out;
-  const cv::Mat mask = read_grey_picture(sighting.visible_mask);
+  const cv::Mat mask = visible_mask_of(sighting);
   if (mask.size() == out.frame.image.size()) {
     hide_behind_others(mask, out.frame);
   } else {

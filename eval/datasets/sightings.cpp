@@ -197,7 +197,14 @@ bool has_picture(std::span<const Sighting> sightings, int scene_id, int im_id) {
   const auto of_scene = std::find_if(sightings.begin(), sightings.end(),
                                      [=](const Sighting& s) { return s.scene_id == scene_id; });
   if (of_scene == sightings.end()) return false;
-  return !numbered_picture(of_scene->picture.parent_path(), {im_id}).empty();
+  const fs::path folder = of_scene->picture.parent_path();
+  if (!numbered_picture(folder, {im_id}).empty()) return true;
+  for (const char* kind : {".rgb", ".gray"}) {  // of the imagewise format
+    if (!picture_named(folder, fmt::format("{:06}_{:06}{}", scene_id, im_id, kind)).empty()) {
+      return true;
+    }
+  }
+  return false;
 }
 
 Pose pose_in_metres(const BopEstimate& estimate, const Eigen::Matrix3d& target_from_model) {

@@ -14,6 +14,7 @@
 #include "eval/doors/coco_results.h"
 #include "eval/output/csv_reader.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
@@ -215,7 +216,7 @@ GivenObservations read_observations(const ObservationSource& source,
                                     const ShownPictures& pictures) {
   const bool is_coco =
       source.format == ObservationFormat::kCoco ||
-      (source.format == ObservationFormat::kByEnding && source.file.extension() == ".json");
+      (source.format == ObservationFormat::kByEnding && input_ending(source.file) == ".json");
   return is_coco ? read_coco_results(source, pictures) : read_csv(source, pictures);
 }
 

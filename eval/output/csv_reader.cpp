@@ -124,10 +124,15 @@ void CsvReader::require_columns(const std::vector<std::string>& required,
 
 bool CsvReader::read_line() {
   std::string text;
-  while (read_bounded_line(stream_, text)) {
+  while (read_bounded_line(*stream_, text)) {
     ++line_;
     if (text.size() > kLongestLine) {
       fail(fmt::format("is longer than {} bytes", kLongestLine));
+    }
+    if (text.find('\0') != std::string::npos) {
+      fail(
+          "has a byte of value 0, which no text has: it may be UTF-16 (save it as UTF-8), or no "
+          "CSV");
     }
     std::string_view line = text;
     if (line_ == 1 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);

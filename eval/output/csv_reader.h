@@ -3,7 +3,8 @@
 #pragma once
 
 #include <filesystem>
-#include <fstream>
+#include <istream>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -55,7 +56,7 @@ class CsvReader {
   bool read_line();
 
   std::filesystem::path file_;
-  std::ifstream stream_;
+  std::unique_ptr<std::istream> stream_;
   int line_ = 0;
   std::vector<std::string> columns_;
   std::vector<std::string> fields_;

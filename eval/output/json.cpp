@@ -14,6 +14,7 @@
 
 #include "scenes/files/input_error.h"
 #include "scenes/files/input_file.h"
+#include "scenes/files/pauses.h"
 
 namespace sightline {
 namespace {
@@ -115,6 +116,7 @@ Json read_json(const std::filesystem::path& file) {
   text = with_null_for_no_numbers(std::move(text));
   int lists = 0;
   const auto check_bounds = [&](int depth, Json::parse_event_t event, const Json&) {
+    pause_at_times();
     if (depth > kDeepest) {
       throw InputError(fmt::format("{}: is nested deeper than {}", file.string(), kDeepest));
     }

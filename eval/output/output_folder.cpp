@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstring>
 #include <ostream>
+#include <system_error>
 #include <thread>
 
 #include <ext/stdio_filebuf.h>
@@ -186,14 +187,16 @@ void write_file(const fs::path& file, const std::function<void(std::ostream&)>& 
   }
   __gnu_cxx::stdio_filebuf<char> buffer(descriptor, std::ios::out | std::ios::binary);
   std::ostream out(&buffer);
+  errno = 0;
   write(out);
   out.flush();
   const bool is_whole = out.good() && buffer.close() != nullptr;
+  if (!is_whole) error.assign(errno != 0 ? errno : EIO, std::generic_category());
   if (is_whole) fs::rename(partial, file, error);
-  if (!is_whole || error) {
+  if (error) {
     std::error_code ignored;
     fs::remove(partial, ignored);
-    throw InputError(fmt::format("{}: cannot be written", file.string()));
+    throw InputError(fmt::format("{}: cannot be written ({})", file.string(), error.message()));
   }
 }
 

@@ -71,6 +71,25 @@ bool is_plain_in_shell(char c) {
   return is_letter || (c >= '0' && c <= '9') || kOthers.find(c) != std::string_view::npos;
 }
 
+// The text without the middle of numbers that nobody reads to their end.
+std::string with_short_numbers(std::string_view text) {
+  constexpr size_t kLongest = 40;
+  constexpr size_t kKept = 12;
+  constexpr std::string_view kDigits = "0123456789";
+  std::string out;
+  while (!text.empty()) {
+    const size_t others = std::min(text.find_first_of(kDigits), text.size());
+    out += text.substr(0, others);
+    text.remove_prefix(others);
+    const size_t digits = std::min(text.find_first_not_of(kDigits), text.size());
+    const bool is_long = digits > kLongest;
+    out += text.substr(0, is_long ? kKept : digits);
+    if (is_long) out += "... (" + std::to_string(digits) + " digits)";
+    text.remove_prefix(digits);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string plain_line(std::string_view text) {
@@ -81,7 +100,7 @@ std::string in_one_line(std::string text) {
   for (char& c : text) {
     if (c == '\n' || c == '\r' || c == '\t') c = ' ';
   }
-  return plain_line(text);
+  return with_short_numbers(plain_line(text));
 }
 
 std::string plain_text(std::string_view text) {

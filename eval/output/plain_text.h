@@ -17,7 +17,7 @@ namespace sightline {
 std::string plain_line(std::string_view text);
 
 /// The same with blanks for line ends and tabs: what users and libraries put into the text of an
-/// error may hold some, and an error is one line.
+/// error may hold some, and an error is one line; of a number of over 40 digits the first 12.
 std::string in_one_line(std::string text);
 
 /// The same as plain_line, but line ends and tabs stay: for texts of several lines.

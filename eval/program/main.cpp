@@ -61,6 +61,9 @@ int main(int argc, char** argv) {
     std::cerr << kFirstWords;
     return kUsageExit;
   }
+  app.failure_message([](const CLI::App*, const CLI::Error& error) {
+    return sightline::in_one_line(error.what()) + "\nRun with --help for more information.\n";
+  });
   int exit_code = 0;
   sightline::add_commands(app, command_line(argc, argv), exit_code);
   try {

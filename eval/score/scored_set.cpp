@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/score/scored_set.h"
 
-#include <fstream>
 #include <set>
 #include <string_view>
 
@@ -144,20 +143,20 @@ ScoredSet read_scored_set(const fs::path& folder, const std::string& split) {
 }
 
 std::vector<BopEstimate> read_estimates(const fs::path& file, const ScoredSet& set) {
-  std::ifstream stream = open_input_file(file, kMostInputBytes);
   std::string first;
-  read_bounded_line(stream, first);
+  read_bounded_line(*open_input_file(file, kMostInputBytes), first);
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (first.starts_with(kByteOrderMark)) first.erase(0, kByteOrderMark.size());
   const bool is_of_bop = !set.is_speed() || first.starts_with("scene_id");
-  if (is_of_bop && file.extension() == ".json") {
+  const bool is_list = input_ending(file) == ".json";
+  if (is_of_bop && is_list) {
     throw InputError(fmt::format(
         "{}: is a list as SPEED+ has, which knows images by their pictures; the data set is "
         "BOP's, and needs a results CSV",
         file.string()));
   }
   if (is_of_bop) return read_bop_results(file);
-  return file.extension() == ".json" ? read_speed_list(file, set) : read_speed_csv(file, set);
+  return is_list ? read_speed_list(file, set) : read_speed_csv(file, set);
 }
 
 }  // namespace sightline

@@ -3,7 +3,6 @@
 #include "eval/solve/number_rows.h"
 
 #include <algorithm>
-#include <fstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -32,15 +31,16 @@ std::vector<std::string_view> words_in(std::string_view line) {
 
 std::vector<std::vector<double>> read_number_rows(const std::filesystem::path& file, size_t least,
                                                   size_t most, const std::string& what) {
-  std::ifstream stream = open_input_file(file, kMostInputBytes);
+  const auto stream = open_input_file(file, kMostInputBytes);
   std::vector<std::vector<double>> rows;
   std::string line;
-  for (int number = 1; read_bounded_line(stream, line); ++number) {
+  for (int number = 1; read_bounded_line(*stream, line); ++number) {
     const auto fail = [&](const std::string& reason) {
       throw InputError(
           fmt::format("{}: line {} {}, must have {}", file.string(), number, reason, what));
     };
     if (line.size() > kLongestLine) fail(fmt::format("is longer than {} bytes", kLongestLine));
+    if (line.find('\0') != std::string::npos) fail("has a byte of value 0, which no text has");
     const std::vector<std::string_view> words = words_in(line);
     if (words.empty() || words.front().starts_with('#')) continue;
     if (rows.empty() && !parsed_number(words.front())) continue;  // the names of the columns

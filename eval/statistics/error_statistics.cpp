@@ -111,6 +111,10 @@ ErrorSummary ErrorStatistics::summary(uint64_t seed, std::string_view stream) co
   } else {
     summary.mean_ci95 = errors_.mean_interval();
   }
+  // The next error may be beyond all of these, and nothing in them says how far.
+  Moments with_one_more = errors_;
+  with_one_more.add(errors_.greatest);
+  summary.mean_ci95[1] = std::max(summary.mean_ci95[1], with_one_more.mean_interval()[1]);
   std::vector<double> sorted = values_;
   std::sort(sorted.begin(), sorted.end());
   summary.mean = errors_.mean;

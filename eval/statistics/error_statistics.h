@@ -16,8 +16,12 @@ namespace sightline {
 /// trials.
 struct ErrorSummary {
   static constexpr double kNone = kNoNumber;
-  double mean = kNone;                 ///< of the errors capped at `cap`, a failure counting as cap
-  Interval95 mean_ci95 = kNoInterval;  ///< BCa bootstrap interval of that mean
+  double mean = kNone;  ///< of the errors capped at `cap`, a failure counting as cap
+  /// BCa bootstrap interval of that mean, its upper end at least that of the same errors with one
+  /// more of the greatest: of a hundred trials the next errs more than all in one case of a
+  /// hundred, and nothing of them says by how much. Without it the interval held 83 to 87 of 100
+  /// times where two trials of a hundred err by far; with it 90.
+  Interval95 mean_ci95 = kNoInterval;
   double median = kNone;  ///< a failure counting as infinite: infinite where half or more failed
   Interval95 median_ci95 = kNoInterval;  ///< of order statistics (quantile_ranks)
   double rms = kNone;                    ///< capped as the mean

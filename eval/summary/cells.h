@@ -57,7 +57,7 @@ struct CellSummary : CellErrors {
   double missed_outliers = kNoNumber;  ///< outliers kept, a trial
   /// Trials with a pose in which exactly the outliers were removed.
   double exact_set_rate = kNoNumber;
-  // 95 % intervals of the rates, Wilson's.
+  // 95 % intervals of the rates (rate_interval).
   Interval95 failure_rate_ci95 = kNoInterval;
   Interval95 exact_set_rate_ci95 = kNoInterval;
   NeesSummary nees;       ///< no trials where the solver reports no covariance

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "eval/statistics/rate_interval.h"
+
 namespace sightline {
 namespace {
 
@@ -69,7 +71,7 @@ NeesSummary PoseCell::nees_summary() const {
   if (nees.trials > 0) {
     nees.coverage95 = static_cast<double>(nees_covered_) / static_cast<double>(nees.trials);
   }
-  nees.coverage95_ci95 = wilson_interval(nees_covered_, nees.trials);
+  nees.coverage95_ci95 = rate_interval(nees_covered_, nees.trials);
   return nees;
 }
 
@@ -80,7 +82,7 @@ CellSummary PoseCell::summary(const Study& study, int trials) const {
   cell.solver = solver_;
   cell.trials = trials;
   cell.failures = failures_;
-  cell.failure_rate_ci95 = wilson_interval(failures_, trials);
+  cell.failure_rate_ci95 = rate_interval(failures_, trials);
   if (is_near_lock_) drop_intervals_of_angles(cell);
   cell.ratio_to_oracle = to_oracle_.value();
   cell.ratio_to_oracle_median = oracle_ratios_.median();
@@ -94,7 +96,7 @@ CellSummary PoseCell::summary(const Study& study, int trials) const {
   cell.false_removals = static_cast<double>(false_removals_) / trials;
   cell.missed_outliers = static_cast<double>(missed_outliers_) / trials;
   cell.exact_set_rate = static_cast<double>(exact_) / trials;
-  cell.exact_set_rate_ci95 = wilson_interval(exact_, trials);
+  cell.exact_set_rate_ci95 = rate_interval(exact_, trials);
   return cell;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "eval/statistics/rate_interval.h"
 #include "eval/summary/ladder.h"
 #include "eval/summary/pose_cell.h"
 #include "eval/summary/repeats.h"
@@ -188,7 +189,7 @@ struct MethodCell {
     cell.trials = trials;
     cell.failures = failures;
     cell.failed_copies = failed_copies;
-    cell.failure_rate_ci95 = wilson_interval(failures, trials);
+    cell.failure_rate_ci95 = rate_interval(failures, trials);
     return cell;
   }
 };

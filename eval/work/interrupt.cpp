@@ -5,6 +5,8 @@
 #include <csignal>
 #include <utility>
 
+#include "scenes/files/pauses.h"
+
 namespace sightline {
 namespace {
 
@@ -21,6 +23,7 @@ void remember(int signal) {
 }  // namespace
 
 void remember_interrupts() {
+  call_in_pauses(stop_if_interrupted);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     // Whoever started the program may have it outlive a hang-up (nohup) or a Ctrl-C (&).
     if (std::signal(signal, remember) == SIG_IGN) std::signal(signal, SIG_IGN);

@@ -43,7 +43,11 @@ std::optional<int> whole_number(std::string_view text) {
 
 std::optional<int> variable(const ProcessVariables& environment, const char* name) {
   const char* value = name == nullptr ? nullptr : environment(name);
-  return value == nullptr ? std::nullopt : whole_number(value);
+  if (value == nullptr || *value == '\0') return std::nullopt;
+  const std::optional<int> number = whole_number(value);
+  if (number) return number;
+  throw InputError(
+      fmt::format("--shard auto: {} is '{}', must be a whole number below 2^31", name, value));
 }
 
 ShardChoice checked(const std::string& text, const std::string& source, int index, int count) {

@@ -10,10 +10,12 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
+
+#include "scenes/files/pauses.h"
 
 namespace sightline {
 namespace {
@@ -22,6 +24,35 @@ namespace {
 void end_with_parent(pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);  // it was killed before
+}
+
+// In a child: a program in place of this one, without what it prints.
+[[noreturn]] void become_program(pid_t parent, const std::vector<char*>& argv,
+                                 const std::filesystem::path& folder) {
+  end_with_parent(parent);
+  const int nowhere = open("/dev/null", O_WRONLY);
+  const bool is_silent =
+      nowhere >= 0 && dup2(nowhere, STDOUT_FILENO) >= 0 && dup2(nowhere, STDERR_FILENO) >= 0;
+  if (is_silent && chdir(folder.c_str()) == 0) execvp(argv[0], argv.data());
+  _exit(kProgramNotFound);
+}
+
+// Waits for a child, and kills it where a pause throws.
+ProcessEnd wait_with_pauses(pid_t child) {
+  constexpr timespec kBetween{.tv_sec = 0, .tv_nsec = 5'000'000};
+  siginfo_t ended{};
+  while (waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+         ended.si_pid == 0) {
+    try {
+      take_pause();
+    } catch (...) {
+      kill(child, SIGKILL);
+      wait_for(child);
+      throw;
+    }
+    nanosleep(&kBetween, nullptr);
+  }
+  return wait_for(child);
 }
 
 }  // namespace
@@ -68,16 +99,11 @@ int run_program(std::vector<std::string> arguments, const std::filesystem::path&
   std::vector<char*> argv;
   for (std::string& argument : arguments) argv.push_back(argument.data());
   argv.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
-  pid_t process = 0;
-  const int error = posix_spawnp(&process, argv[0], &actions, nullptr, argv.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) return kProgramNotFound;
-  const ProcessEnd end = wait_for(process);
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child < 0) return kProgramNotFound;
+  if (child == 0) become_program(parent, argv, folder);
+  const ProcessEnd end = wait_with_pauses(child);
   return end.signal == 0 ? end.exit_code : -1;
 }
 

@@ -44,7 +44,8 @@ inline constexpr int kProgramNotFound = 127;
 
 /// Runs a program (its name, then its arguments; looked for in PATH) within a folder, without
 /// showing what it prints. Returns its exit code, -1 where a signal ended it, kProgramNotFound
-/// where it cannot be started.
+/// where it cannot be started. The system ends it with this process, and what is thrown in the
+/// pauses of the wait (pauses.h) ends it too.
 int run_program(std::vector<std::string> arguments, const std::filesystem::path& folder);
 
 }  // namespace sightline

@@ -7,7 +7,8 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
+#include <istream>
+#include <memory>
 #include <string>
 
 namespace sightline {
@@ -16,9 +17,20 @@ inline constexpr uintmax_t kMostInputBytes = uintmax_t{1} << 30;  ///< of tables
 inline constexpr uintmax_t kMostTextBytes = uintmax_t{1} << 24;   ///< of what people write by hand
 inline constexpr uintmax_t kMostModelBytes = uintmax_t{1} << 32;  ///< of meshes
 
-/// Throws InputError, with the file, where it is missing, no regular file, larger than that, or
-/// cannot be read.
-std::ifstream open_input_file(const std::filesystem::path& file, uintmax_t most_bytes);
+/// The file's bytes, unpacked while they are read where gzip packed them, whatever its name. Throws
+/// InputError, with the file, where it is missing, no regular file, larger than that, or cannot be
+/// read; so does the stream where what it unpacks is damaged or becomes larger than that.
+std::unique_ptr<std::istream> open_input_file(const std::filesystem::path& file,
+                                              uintmax_t most_bytes);
+
+/// The file itself or, where it is missing and one of its name with ".gz" behind is there, that.
+std::filesystem::path plain_or_packed(const std::filesystem::path& file);
+
+/// The file's name without the ".gz" that a packed one has behind its own ending.
+std::filesystem::path unpacked_name(const std::filesystem::path& file);
+
+/// That name's ending in lower case, with its dot.
+std::string input_ending(const std::filesystem::path& file);
 
 /// Its bytes.
 std::string read_input_file(const std::filesystem::path& file, uintmax_t most_bytes);

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <iterator>
+#include <new>
 #include <optional>
 #include <set>
+#include <string_view>
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
@@ -303,6 +305,8 @@ MeshSoup read_with_assimp(const std::filesystem::path& file) {
   const bool is_whole = scene != nullptr && scene->mRootNode != nullptr &&
                         (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) == 0;
   if (!is_whole) {
+    const std::string_view why = importer.GetErrorString();
+    if (why.find("bad_alloc") != why.npos) throw std::bad_alloc();  // a library's word for memory
     throw InputError(
         fmt::format("{}: cannot be read as a mesh: {}", file.string(), importer.GetErrorString()));
   }

@@ -162,7 +162,7 @@ class Attacker:
                  "UPDATE estimates SET solver = 'best' WHERE trial = 5",
                  "UPDATE estimates SET geodesic_deg = 'x' WHERE trial = 5",
                  "UPDATE estimates SET geodesic_deg = -1 WHERE trial = 5",
-                 "UPDATE observations SET position = position + 7 WHERE trial = 2",
+                 "UPDATE observations SET position = position + 100 WHERE trial = 2",
                  "ALTER TABLE estimates RENAME TO e; CREATE VIEW estimates AS SELECT * FROM e"]
         with sqlite3.connect(out / "results.sqlite") as store:
             store.executescript(rng.choice(edits))

@@ -48,6 +48,9 @@ std::string model_file(int64_t obj_id);
 std::string scene_name(int64_t scene_id);
 /// "000017", an image's files in their folders, but for the ending.
 std::string image_name(int64_t im_id);
+/// "rgb_cam1" and "scene_gt_cam1.json": a folder or a file of a scene with several sensors; the
+/// name itself where the sensor has none.
+std::string of_sensor(std::string_view name, std::string_view sensor);
 /// "000017_000002", the masks of an instance, the last number its place in the image's truth.
 std::string mask_name(int64_t im_id, int64_t gt_id);
 

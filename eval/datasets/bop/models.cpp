@@ -14,6 +14,7 @@
 #include "eval/datasets/model_file.h"
 #include "eval/output/json.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 #include "scenes/mesh/diameter.h"
 
 namespace sightline {
@@ -117,7 +118,7 @@ std::map<int, BopModel> read_bop_models(const fs::path& set, const std::set<int>
   const fs::path folder = models_folder(set);
   std::map<int, BopModel> models;
   for (const int id : obj_ids) models[id] = read_model(numbered_model(folder, id));
-  const fs::path infos_file = folder / bop::kModelsInfoFile;
+  const fs::path infos_file = plain_or_packed(folder / bop::kModelsInfoFile);
   if (!fs::exists(infos_file)) {
     for (auto& [id, model] : models) model.diameter_mm = diameter(model.mesh_mm.vertices);
     return models;
@@ -137,7 +138,8 @@ std::map<int, BopModel> read_bop_models(const fs::path& set, const std::set<int>
 
 BopModelFacts bop_model_facts(const fs::path& set, int obj_id) {
   const fs::path folder = models_folder(set);
-  BopModelFacts facts{.box_mm = {}, .file = folder / bop::kModelsInfoFile, .symmetries = {}};
+  BopModelFacts facts{
+      .box_mm = {}, .file = plain_or_packed(folder / bop::kModelsInfoFile), .symmetries = {}};
   if (fs::exists(facts.file)) {
     with_json(facts.file, [&](const Json& infos) {
       const Json* const info = NumberedEntries(infos).find(obj_id);

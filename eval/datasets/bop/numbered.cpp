@@ -10,6 +10,7 @@
 
 #include "eval/datasets/bop/layout.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
@@ -56,11 +57,17 @@ fs::path numbered_picture(const fs::path& folder, const std::vector<int>& number
   std::error_code error;
   if (!fs::is_directory(folder, error)) return {};
   for (const int digits : kDigits) {
-    const std::string name = joined(numbers, digits);
-    for (const char* ending : kPictureEndings) {
-      fs::path file = folder / (name + "." + ending);
-      if (fs::exists(file, error)) return file;
-    }
+    fs::path file = picture_named(folder, joined(numbers, digits));
+    if (!file.empty()) return file;
+  }
+  return {};
+}
+
+fs::path picture_named(const fs::path& folder, const std::string& name) {
+  std::error_code error;
+  for (const char* ending : kPictureEndings) {
+    fs::path file = folder / (name + "." + ending);
+    if (fs::exists(file, error)) return file;
   }
   return {};
 }
@@ -68,7 +75,8 @@ fs::path numbered_picture(const fs::path& folder, const std::vector<int>& number
 fs::path numbered_model(const fs::path& folder, int obj_id) {
   for (const int digits : kDigits) {
     for (const char* ending : {"ply", "PLY"}) {
-      fs::path file = folder / fmt::format("obj_{}.{}", joined({obj_id}, digits), ending);
+      const fs::path file =
+          plain_or_packed(folder / fmt::format("obj_{}.{}", joined({obj_id}, digits), ending));
       if (fs::exists(file)) return file;
     }
   }

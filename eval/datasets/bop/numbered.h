@@ -37,7 +37,11 @@ class NumberedEntries {
 std::filesystem::path numbered_picture(const std::filesystem::path& folder,
                                        const std::vector<int>& numbers);
 
-/// The file of a model in a folder, alike; where there is none, the one that should be there.
+/// The picture in a folder of that name, whatever its format; empty where there is none.
+std::filesystem::path picture_named(const std::filesystem::path& folder, const std::string& name);
+
+/// The file of a model in a folder, alike, packed by gzip or not; where there is none, the one that
+/// should be there.
 std::filesystem::path numbered_model(const std::filesystem::path& folder, int obj_id);
 
 /// The folder of a scene in its split, alike; where there is none, the one that should be there.

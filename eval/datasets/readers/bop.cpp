@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Sightings in BOP's scenewise format (bop/layout.h).
+// Sightings in BOP's scenewise format (bop/layout.h) and its imagewise one (bop/scenes.h).
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -58,8 +58,7 @@ Sighting sighting_of(const SightingSource& source, const BopImage& image, int gt
   sighting.camera = camera_of(image, source.lens);
   const Pose& mm = instance.cam_from_model;
   sighting.cam_from_target = {nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
-  sighting.visible_mask =
-      numbered_picture(image.folder / bop::kVisibleMaskFolder, {image.im_id, gt_id});
+  sighting.visible_mask = bop_visible_mask(image, gt_id);
   sighting.picture = bop_picture(image);
   if (sighting.picture.empty()) {
     sighting.picture = missing_bop_picture(image);

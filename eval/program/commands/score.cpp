@@ -23,6 +23,7 @@
 #include "eval/work/interrupt.h"
 #include "eval/work/progress.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
@@ -56,7 +57,7 @@ Method named_method(const std::string& given) {
   const bool is_named = sign != std::string::npos && !fs::exists(given);
   Method method;
   method.file = is_named ? given.substr(sign + 1) : given;
-  method.name = is_named ? given.substr(0, sign) : fs::path(given).stem().string();
+  method.name = is_named ? given.substr(0, sign) : unpacked_name(given).stem().string();
   const bool is_folder_name =
       !method.name.empty() && method.name[0] != '.' && method.name.find('/') == std::string::npos;
   if (is_folder_name) return method;

@@ -4,6 +4,7 @@
 // SPEED+ and SPEED sets as others write them, read by the documentation of their formats alone.
 #include <filesystem>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -127,6 +128,87 @@ TEST_F(ForeignSpeed, HasOneFailureAPictureOrPoseThatIsMissing) {
   EXPECT_FALSE(sightings[0].problem);
   EXPECT_EQ(sightings[1].problem, EstimateOutcome::kPictureUnreadable);
   EXPECT_EQ(sightings[2].problem, EstimateOutcome::kNoTruth);
+}
+
+// As SHIRT has them, by orbit.
+TEST_F(ForeignSpeed, HasListsOfAnyNameWhichAreOffered) {
+  fs::remove(folder_.path() / "synthetic/train.json");
+  for (const std::string orbit : {"roe1", "roe2"}) {
+    folder_.write("synthetic/" + orbit + ".json", kList);
+  }
+  EXPECT_THAT(error_of([&] { read_sightings(source("synthetic", ""), cube_); }),
+              HasSubstr("has roe1.json and roe2.json; say --split which one is meant"));
+  EXPECT_EQ(read_sightings(source("synthetic", "roe2"), cube_).sightings.size(), 1u);
+  EXPECT_THAT(error_of([&] { read_sightings(source("", ""), cube_); }),
+              HasSubstr("has synthetic/roe1.json and synthetic/roe2.json; say --split"));
+}
+
+// Scalar last, most of these turn the camera's view away: of three poses one stays in the image.
+TEST_F(ForeignSpeed, GetsAHintWhereMostPosesAreOutOfTheImage) {
+  const auto notes = [this](const std::string& aside) {
+    folder_.write("synthetic/train.json",
+                  "[" + kList.substr(1, kList.size() - 2) + "," +
+                      R"({"filename": "img1.jpg", "q_vbs2tango": [1, 0, 0, 0],
+                          "r_Vo2To_vbs": [)" +
+                      aside + R"(, 0, 10]},
+                         {"filename": "img1.jpg", "q_vbs2tango": [1, 0, 0, 0],
+                          "r_Vo2To_vbs": [)" +
+                      aside + ", 1, 10]}]");
+    return read_sightings(source("synthetic", ""), cube_).notes;
+  };
+  EXPECT_THAT(notes("0"), testing::IsEmpty());
+  EXPECT_THAT(notes("90"), testing::ElementsAre(testing::AllOf(
+                               HasSubstr("2 of 3 poses do not put 'cube' into its image"),
+                               HasSubstr("quaternions are read scalar first"))));
+}
+
+// The same camera and pose in all ways at random (SPEED, SPEED+, SHIRT, and who writes them anew).
+TEST_F(ForeignSpeed, InRandomWaysIsReadToTheSameNumbers) {
+  const auto digest = [](const Sighting& s) {
+    const Camera& c = s.camera;
+    return std::vector<double>{c.fx_px,
+                               c.fy_px,
+                               c.cx_px,
+                               c.cy_px,
+                               std::get<BrownConrady>(c.lens).k1,
+                               std::get<BrownConrady>(c.lens).p2,
+                               s.cam_from_target.rotation(1, 0),
+                               s.cam_from_target.translation.z(),
+                               static_cast<double>(c.width_px)};
+  };
+  const std::vector<double> plain{900, 915, 159.5, 119.5, -0.1, 0.004, 0.96, 10, kWidthPx};
+  std::mt19937 engine(1);
+  const auto one_of = [&engine](const std::vector<std::string>& ways) {
+    return ways[engine() % ways.size()];
+  };
+  for (int round = 0; round < 40; ++round) {
+    const std::string camera =
+        one_of({"", "\xEF\xBB\xBF"}) + R"({"Nu": 320, "Nv": 240, )" +
+        one_of({R"("fx": 0.009, "fy": 0.0183, "ppx": 1e-5, "ppy": 2e-5, "ccx": 160, "ccy": 120, )",
+                R"("fx": 0.009, "fy": 0.0183, "ppx": 1e-5, "ppy": 2e-5, )",
+                R"("fx": 900, "fy": 915, "ppx": 1e-5, "ppy": 2e-5, "ccx": 160, )",
+                R"("fx": 900, "fy": 915, )",
+                R"("cameraMatrix": [900, 0, 160, 0, 915, 120, 0, 0, 1], )",
+                R"("cameraMatrix": [[900, 0, 160], [0, 915, 120], [0, 0, 1]], )"}) +
+        R"("distCoeffs": )" +
+        one_of({"[-0.1, 0.02, 0.003, 0.004]", "[-0.1, 0.02, 0.003, 0.004, 0]",
+                "[[-0.1, 0.02, 0.003, 0.004, 0]]", "[[-0.1], [0.02], [0.003], [0.004], [0]]",
+                "[-0.1, 0.02, 0.003, 0.004, 0, 0, 0, 0]"}) +
+        "}";
+    const std::string list =
+        R"([{"filename": "img1.jpg", ")" + one_of({"q_vbs2tango_true", "q_vbs2tango"}) + R"(": )" +
+        one_of({"[0.6, 0, 0, 0.8]", "[-0.6, 0, 0, -0.8]", "[[0.6, 0, 0, 0.8]]"}) + ", \"" +
+        one_of({"r_Vo2To_vbs_true", "r_Vo2To_vbs"}) + R"(": )" +
+        one_of({"[0.1, -0.2, 10]", "[[0.1], [-0.2], [10]]"}) + "}]";
+    const std::string split = one_of({"train", "test", "roe1"});
+    fs::remove(folder_.path() / "synthetic/train.json");
+    folder_.write("camera.json", camera);
+    folder_.write("synthetic/" + split + ".json", list);
+    const auto read =
+        digest(read_sightings(source("synthetic", one_of({"", split})), cube_).sightings.front());
+    EXPECT_THAT(read, testing::Pointwise(testing::DoubleNear(1e-9), plain)) << camera << list;
+    fs::remove(folder_.path() / ("synthetic/" + split + ".json"));
+  }
 }
 
 TEST_F(ForeignSpeed, IsRefusedInOneLineThatNamesTheFile) {

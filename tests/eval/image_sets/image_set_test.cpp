@@ -404,7 +404,7 @@ TEST_F(ImageSet, AFullDiskOrAForbiddenFolderIsOneLine) {
                             SIGHTLINE_PROGRAM, kQuick, path("full")));
   EXPECT_EQ(full.exit_code, 1);
   EXPECT_EQ(lines_of(full.output), 1u) << full.output;
-  EXPECT_THAT(full.output, HasSubstr("cannot be written"));
+  EXPECT_THAT(full.output, HasSubstr("cannot be written (File too large)"));
   for (const auto& entry : fs::recursive_directory_iterator(path("full"))) {
     EXPECT_NE(entry.path().extension(), ".partial") << entry.path();
   }

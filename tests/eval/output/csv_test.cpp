@@ -4,9 +4,13 @@
 
 #include <utility>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "eval/output/csv_reader.h"
+#include "eval/output/json.h"
+#include "scenes/files/pauses.h"
+#include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -58,6 +62,52 @@ TEST(CsvLine, EmptyFieldsKeepTheirPlaces) {
   line << "";
   line.empty_fields(2) << 1;
   EXPECT_EQ(std::move(line).end(), ",,,1\n");
+}
+
+// As editors on Windows save "Unicode": the text of an error would end at the first byte of 0.
+TEST(CsvReader, RefusesWhatIsNoText) {
+  const TemporaryFolder folder;
+  const auto error = [&](const std::string& text) {
+    return error_of([&] { CsvReader(folder.write("a.csv", text)); });
+  };
+  EXPECT_EQ(error("a,b\n"), "");
+  EXPECT_THAT(
+      error(std::string("\xFF\xFE"
+                        "a\0,\0b\0",
+                        8)),
+      testing::HasSubstr("a.csv: line 1 has a byte of value 0, which no text has: it may be"));
+}
+
+class HeardASignal {};
+
+// While it lives what is read is interrupted at once.
+class Signal {
+ public:
+  Signal() {
+    call_in_pauses([] { throw HeardASignal(); });
+  }
+  ~Signal() { call_in_pauses(nullptr); }
+};
+
+TEST(Pauses, EndTheReadingOfTablesAndJsonThatAreLong) {
+  const TemporaryFolder folder;
+  std::string rows = "a,b\n", list = "[0";
+  for (int i = 0; i < 1000; ++i) {
+    rows += "1,2\n";
+    list += ",1";
+  }
+  const auto table = folder.write("a.csv", rows);
+  const auto json = folder.write("a.json", list + "]");
+  const auto read_table = [&] {
+    CsvReader csv(table);
+    while (csv.next()) continue;
+    return csv.line();
+  };
+  EXPECT_EQ(read_table(), 1001);
+  EXPECT_EQ(read_json(json).size(), 1001u);
+  const Signal signal;
+  EXPECT_THROW(read_table(), HeardASignal);
+  EXPECT_THROW(read_json(json), HeardASignal);
 }
 
 }  // namespace

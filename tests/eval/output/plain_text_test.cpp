@@ -55,6 +55,14 @@ TEST(PlainText, IsUtf8WhateverTheBytes) {
   EXPECT_EQ(plain_line("\xe2\x82"), "\uFFFD\uFFFD") << "cut off";
 }
 
+TEST(PlainText, InOneLineHasNoNumberWithoutAnEnd) {
+  const std::string forty(40, '7');
+  EXPECT_EQ(in_one_line("is " + forty + ", must\nbe 1"), "is " + forty + ", must be 1");
+  EXPECT_EQ(in_one_line("is 1" + std::string(300, '0') + ", must be 1"),
+            "is 100000000000... (301 digits), must be 1");
+  EXPECT_EQ(in_one_line(""), "");
+}
+
 TEST(PlainText, AsAWordOfAShellMeansItself) {
   EXPECT_EQ(shell_word("results/a-1.toml"), "results/a-1.toml");
   for (const std::string text : {"", "a b", "it's", "$(date)", "; exit 3 #", "a\nb", "*", "\\"}) {

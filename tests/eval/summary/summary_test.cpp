@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "eval/statistics/rate_interval.h"
 #include "eval/summary/summary_json.h"
 #include "tests/eval/summary/handmade_trials.h"
 
@@ -130,11 +131,11 @@ TEST(Summary, OfACellThatNothingCameOfHasNoNumbersButTheCap) {
   EXPECT_TRUE(std::isnan(summary.observations[1].inlier_rms_px));
 }
 
-TEST(Summary, HasWilsonIntervalsOfItsRates) {
+TEST(Summary, HasIntervalsOfItsRates) {
   const Summary summary = summarise(two_poses(), handmade_trials());
   const CellSummary& orpe = cell_of(summary, 0, "orpe");
-  EXPECT_EQ(orpe.failure_rate_ci95, wilson_interval(1, 3));
-  EXPECT_EQ(orpe.exact_set_rate_ci95, wilson_interval(1, 3));
+  EXPECT_EQ(orpe.failure_rate_ci95, rate_interval(1, 3));
+  EXPECT_EQ(orpe.exact_set_rate_ci95, rate_interval(1, 3));
 }
 
 // Yaw is the middle angle: at 61 degrees about y an error of the rotation moves the other two by
@@ -187,7 +188,7 @@ TEST(Summary, SaysHowReportedCovariancesFit) {
   EXPECT_DOUBLE_EQ(nees.mean, (12.5 + 12.7 + 5.0) / 3);
   EXPECT_EQ(nees.median.value, 12.5);
   EXPECT_DOUBLE_EQ(nees.coverage95, 2 / 3.0);
-  EXPECT_EQ(nees.coverage95_ci95, wilson_interval(2, 3));
+  EXPECT_EQ(nees.coverage95_ci95, rate_interval(2, 3));
   EXPECT_EQ(cell_of(summary, 0, "orpe").nees.trials, 0) << "it reports none";
   const Json json = Json::parse(to_json(two_poses(), summary));
   EXPECT_EQ(json["cells"][1]["nees"]["trials"], 3);

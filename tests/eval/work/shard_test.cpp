@@ -94,7 +94,8 @@ TEST(Shard, AutoAsksTheEngine) {
 TEST(Shard, AutoWithoutACountOrOutOfRangeIsAnInputError) {
   EXPECT_THROW(read("auto", {{"JOB_COMPLETION_INDEX", "5"}}), InputError);
   EXPECT_THROW(read("auto/4", {{"JOB_COMPLETION_INDEX", "5"}}), InputError);
-  EXPECT_THROW(read("auto", {{"PMI_RANK", "x"}, {"PMI_SIZE", "2"}}), InputError);
+  EXPECT_THAT(error_of([] { read("auto", {{"PMI_RANK", "x"}, {"PMI_SIZE", "2"}}); }),
+              HasSubstr("PMI_RANK is 'x', must be a whole number"));
 }
 
 // 16 bytes a pixel: 16384 x 16384 take 4.3 GB, in two processes 8.6.

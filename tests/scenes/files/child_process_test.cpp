@@ -8,6 +8,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include "scenes/files/pauses.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -63,6 +64,22 @@ TEST(RunProgram, RunsInTheFolderAndGivesTheExitCode) {
   EXPECT_EQ(run_program({"sh", "-c", "pwd > here; exit 3"}, folder.path()), 3);
   EXPECT_TRUE(std::filesystem::exists(folder.path() / "here"));
   EXPECT_EQ(run_program({"sh", "-c", "kill -9 $$"}, folder.path()), -1);
+}
+
+// Without it a program that hangs would hold whoever waits for it, whatever signal comes.
+TEST(RunProgram, IsEndedByWhatIsThrownInAPause) {
+  const TemporaryFolder folder;
+  struct HeardASignal {};
+  static std::filesystem::path begun;
+  begun = folder.path() / "begun";
+  call_in_pauses([] {
+    if (std::filesystem::exists(begun)) throw HeardASignal();
+  });
+  EXPECT_THROW(
+      run_program({"sh", "-c", "echo $$ > pid; mv pid begun; exec sleep 1000"}, folder.path()),
+      HeardASignal);
+  call_in_pauses(nullptr);
+  EXPECT_EQ(kill(std::stoi(read_whole(begun)), 0), -1);  // it is there no more
 }
 
 TEST(RunProgram, AProgramThatIsNotThereIsSaidToBeMissing) {

@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
+// BOP's other layouts: several sensors in a scene, files image by image, archives of them; cameras
+// as they are stated since 2024.
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+
+#include "eval/datasets/bop/mask_runs.h"
+#include "eval/datasets/bop/read.h"
+#include "eval/datasets/set_frame.h"
+#include "eval/datasets/sightings.h"
+#include "scenes/picture/picture_file.h"
+#include "scenes/target/target.h"
+#include "tests/scenes/error_text.h"
+#include "tests/scenes/temporary_folder.h"
+
+namespace sightline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr int kWide = 64, kHigh = 48;
+
+class OtherLayouts : public testing::Test {
+ protected:
+  void write(const std::string& name, const json& content) const {
+    write_text(name, content.dump());
+  }
+  void write_text(const std::string& name, const std::string& text) const {
+    fs::create_directories((folder_.path() / name).parent_path());
+    folder_.write(name, text);
+  }
+  void write_picture(const std::string& name, int width = kWide) const {
+    write_text(name, png_bytes(cv::Mat(kHigh, width, CV_8U, cv::Scalar(9))));
+  }
+  static json truth(double z_mm = 10'000) {
+    return {
+        {{"obj_id", 1}, {"cam_R_m2c", {1, 0, 0, 0, 1, 0, 0, 0, 1}}, {"cam_t_m2c", {0, 0, z_mm}}}};
+  }
+  static json camera(double f = 500) { return {{"cam_K", {f, 0, 32, 0, f, 24, 0, 0, 1}}}; }
+
+  // A scene with one image, of a sensor of that name, which is at another distance in each.
+  void write_scene(const std::string& sensor, const std::string& pictures, double z_mm) const {
+    write("test/000001/scene_gt_" + sensor + ".json", {{"0", truth(z_mm)}});
+    write("test/000001/scene_gt_info_" + sensor + ".json", {{"0", {{{"visib_fract", 0.5}}}}});
+    write("test/000001/scene_camera_" + sensor + ".json", {{"0", camera()}});
+    write_picture("test/000001/" + pictures + "/000000.png");
+  }
+
+  // Two images side by side, the first with a mask whose left half is seen.
+  void write_imagewise(const std::string& split) const {
+    for (const std::string key : {"000001_000000", "000001_000012"}) {
+      const std::string name = split + key;
+      write(name + ".gt.json", truth());
+      write(name + ".camera.json", camera());
+      write_picture(name + ".rgb.png");
+    }
+    write(split + "000001_000000.mask_visib.json",
+          {{"0", {{"size", {kHigh, kWide}}, {"counts", {0, 24 * kWide, 24 * kWide}}}}});
+  }
+
+  BopImages images() const { return read_bop_images(folder_.path(), ""); }
+  std::string error() const {
+    return error_of([this] { images(); });
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(OtherLayouts, OfSeveralSensorsAreThatWhichBopEvaluates) {
+  write_scene("cam1", "rgb_cam1", 9000);
+  EXPECT_EQ(images().images[0].instances[0].cam_from_model.translation.z(), 9000);
+  EXPECT_EQ(images().images[0].instances[0].visible_fraction, 0.5);
+  EXPECT_EQ(bop_picture(images().images[0]), folder_.path() / "test/000001/rgb_cam1/000000.png");
+  EXPECT_THAT(images().notes, IsEmpty());
+  write_scene("photoneo", "gray_photoneo", 8000);
+  EXPECT_EQ(images().images[0].instances[0].cam_from_model.translation.z(), 8000);
+  EXPECT_THAT(images().notes,
+              ElementsAre(HasSubstr("that of scene_gt_photoneo.json is read, not cam1")));
+  write_scene("rgb", "rgb", 7000);  // as HOT3D has it
+  EXPECT_EQ(bop_picture(images().images[0]), folder_.path() / "test/000001/rgb/000000.png");
+  write("test/000001/scene_gt.json", {{"0", truth(6000)}});
+  write("test/000001/scene_camera.json", {{"0", camera()}});
+  EXPECT_EQ(images().images[0].instances[0].cam_from_model.translation.z(), 6000);
+  fs::remove(folder_.path() / "test/000001/scene_gt.json");
+  fs::remove(folder_.path() / "test/000001/scene_camera_rgb.json");
+  EXPECT_THAT(error(), HasSubstr("scene_camera_rgb.json: is missing"));
+}
+
+TEST_F(OtherLayouts, OfFilesImageByImageAreReadWithTheirMasks) {
+  write_imagewise("test_imagewise/");
+  const auto target = load_target("cube");
+  SightingSource source;
+  source.folder = folder_.path();
+  const SightedSet set = read_sightings(source, target);
+  ASSERT_EQ(set.sightings.size(), 2u);
+  EXPECT_EQ(set.sightings[1].scene_id, 1);
+  EXPECT_EQ(set.sightings[1].im_id, 12);
+  EXPECT_EQ(set.sightings[0].image, "test_imagewise/000001_000000.rgb.png");
+  EXPECT_TRUE(has_picture(set.sightings, 1, 12));
+  EXPECT_FALSE(has_picture(set.sightings, 1, 13));
+  const auto right_half_is_hidden = [&](const Sighting& sighting) {
+    const SetFrame frame = read_set_frame(target, 8, sighting);
+    EXPECT_FALSE(frame.problem);
+    const cv::Mat bodies = frame.frame.body_ids;
+    EXPECT_GT(cv::countNonZero(bodies.colRange(0, kWide / 2) == 1), 0);
+    return cv::countNonZero(bodies.colRange(kWide / 2 + 3, kWide) == 1) == 0;
+  };
+  EXPECT_TRUE(right_half_is_hidden(set.sightings[0]));
+  EXPECT_FALSE(right_half_is_hidden(set.sightings[1]));
+  write_text("test_imagewise/000001_000000.mask_visib.json", "[1");
+  EXPECT_EQ(read_set_frame(target, 8, set.sightings[0]).problem, EstimateOutcome::kMaskUnreadable);
+}
+
+TEST_F(OtherLayouts, OfFilesImageByImageMayLieInTheSetsFolder) {
+  write_imagewise("");
+  EXPECT_EQ(images().images.size(), 2u);
+  write("test_targets_bop19.json", {{{"scene_id", 1}, {"im_id", 12}, {"obj_id", 1}}});
+  ASSERT_EQ(images().images.size(), 1u);
+  EXPECT_EQ(images().images[0].im_id, 12);
+}
+
+TEST_F(OtherLayouts, OfFilesImageByImageSayWhatIsWrong) {
+  write_imagewise("test/");
+  EXPECT_EQ(error(), "");
+  fs::remove(folder_.path() / "test/000001_000012.camera.json");
+  EXPECT_THAT(error(), HasSubstr("test/000001_000012.camera.json: is missing"));
+  write("test/000001_000012.cam.json", camera());
+  EXPECT_EQ(error(), "");
+  write("test/1_12.gt.json", truth());
+  EXPECT_THAT(error(), HasSubstr("test: has scene 1 image 12 twice"));
+  fs::remove(folder_.path() / "test/1_12.gt.json");
+  write("test/left.gt.json", truth());
+  EXPECT_THAT(error(), HasSubstr("left.gt.json: its name must begin with the numbers"));
+}
+
+TEST_F(OtherLayouts, OfArchivesAreNamedWithWhatToDo) {
+  write_text("shard-000000.tar", "");
+  const auto names_format = AllOf(HasSubstr("webdataset format"), HasSubstr("tar -xf"));
+  EXPECT_THAT(error(), names_format);
+  fs::create_directories(folder_.path() / "test");
+  fs::rename(folder_.path() / "shard-000000.tar", folder_.path() / "test/shard-000000.tar");
+  EXPECT_THAT(error(), names_format);
+}
+
+TEST(MaskRuns, AreColumnByColumn) {
+  const TemporaryFolder folder;
+  const auto mask = [&](const std::string& entry) {
+    return read_mask_runs(folder.write("m.json", R"({"3": )" + entry + "}"), 3);
+  };
+  const cv::Mat read = mask(R"({"size": [2, 3], "counts": [1, 2, 3]})");
+  ASSERT_EQ(read.size(), cv::Size(3, 2));
+  const cv::Mat expected = (cv::Mat_<uint8_t>(2, 3) << 0, 255, 0, 255, 0, 0);
+  EXPECT_EQ(cv::countNonZero(read != expected), 0);
+  EXPECT_TRUE(read_mask_runs(folder.path() / "m.json", 0).empty());
+  for (const char* bad :
+       {R"({"size": [2, 3], "counts": [1, 2, 2]})", R"({"size": [2, 3], "counts": [1, 2, 4]})",
+        R"({"size": [2, 3], "counts": [-1, 7]})", R"({"size": [2, 3], "counts": "PYQ"})",
+        R"({"size": [90000, 90000], "counts": [8100000000]})", R"({"size": [2], "counts": []})",
+        R"({"size": [2, 3], "counts": [18446744073709551615, 7]})"}) {
+    EXPECT_TRUE(mask(bad).empty()) << bad;
+  }
+}
+
+TEST_F(OtherLayouts, HaveCamerasAsTheyAreStatedSince2024) {
+  write("test/000001/scene_gt.json", {{"0", truth()}});
+  write_picture("test/000001/gray/000000.png");
+  const auto with_model = [&](const std::string& type, const std::vector<double>& params) {
+    write(
+        "test/000001/scene_camera.json",
+        {{"0", {{"cam_model", {{"projection_model_type", type}, {"projection_params", params}}}}}});
+  };
+  with_model("CameraModelType.LINEAR", {500, 510, 32, 24});
+  EXPECT_EQ(images().images[0].k(1, 1), 510);
+  EXPECT_EQ(images().images[0].k(1, 2), 24);
+  with_model("KANNALA_BRANDT_K3", {500, 32, 24, 0.1, 0.2, 0.3, 0.4});
+  EXPECT_EQ(images().images[0].k(1, 1), 500);
+  EXPECT_EQ(std::get<KannalaBrandt>(images().images[0].lens).k4, 0.4);
+  EXPECT_THAT(error_of([&] { read_bop_dataset(folder_.path(), ""); }),
+              HasSubstr("its cam_model has a lens, must be a pinhole"));
+  with_model("FISHEYE624", {500, 32, 24});
+  EXPECT_THAT(error(), HasSubstr("its cam_model is FISHEYE624, must be a pinhole or"));
+  with_model("PINHOLE", {500, 32});
+  EXPECT_THAT(error(), HasSubstr("projection_params has 2 numbers, must have 4"));
+}
+
+TEST_F(OtherLayouts, SayThatALensOfTheWholeSetIsNotUsed) {
+  write("test/000001/scene_gt.json", {{"0", truth()}});
+  write("test/000001/scene_camera.json", {{"0", camera()}});
+  write("camera.json", {{"width", kWide}});
+  EXPECT_THAT(images().notes, IsEmpty());
+  write("camera.json", {{"width", kWide}, {"dist_coeffs", {0.1, 0, 0, 0}}});
+  EXPECT_THAT(images().notes, ElementsAre(HasSubstr("camera.json: its dist_coeffs is not used")));
+}
+
+}  // namespace
+}  // namespace sightline
