@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "eval/output/terminal.h"
 #include "eval/program/catalogue_lists.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/key_lists.h"
@@ -18,19 +19,25 @@ struct ListArguments {
   std::string what;
   std::string table;
   bool is_markdown = false;
+  bool is_json = false;
 };
 
 void print_list(const ListArguments& arguments) {
   if (arguments.what != "keys") {
-    if (!arguments.table.empty() || arguments.is_markdown) {
-      throw InputError("list: a table and --markdown belong to `sightline list keys`");
+    if (!arguments.table.empty()) {
+      throw InputError("list: a table belongs to `sightline list keys`");
     }
-    std::cout << catalogue_lists(arguments.what);
+    if (arguments.is_markdown && arguments.what != "columns") {
+      throw InputError("list: --markdown belongs to `sightline list keys` and `list columns`");
+    }
+    if (arguments.is_markdown) std::cout << page_licence();
+    std::cout << (arguments.is_json ? catalogue_json(arguments.what)
+                                    : shown(catalogue_lists(arguments.what)));
   } else if (arguments.is_markdown) {
     if (!arguments.table.empty()) throw InputError("list keys: --markdown is of all tables");
     std::cout << key_page();
   } else {
-    std::cout << key_list(arguments.table);
+    std::cout << (arguments.is_json ? key_json(arguments.table) : shown(key_list(arguments.table)));
   }
 }
 
@@ -45,7 +52,11 @@ void add_list(CLI::App& app) {
                   "measures (of compare); without: all but the last three. "
                   "Or the name of one entry, for all about it");
   sub->add_option("table", arguments->table, "Of keys: their table, for example image [all]");
-  sub->add_flag("--markdown", arguments->is_markdown, "Of keys: as the page docs/keys.md");
+  CLI::Option* markdown =
+      sub->add_flag("--markdown", arguments->is_markdown,
+                    "Of keys and columns: as the page docs/keys.md or docs/columns.md");
+  sub->add_flag("--json", arguments->is_json, "Print JSON instead of the lists")
+      ->excludes(markdown);
   sub->callback([arguments] { print_list(*arguments); });
 }
 
