@@ -10,6 +10,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "eval/output/base64.h"
 #include "eval/output/text_table.h"
 
 namespace sightline {
@@ -137,6 +138,29 @@ TextLook look_of_standard_output() {
   }
   if (look.columns > 0) look.columns = std::max(look.columns, kLeastColumns);
   return look;
+}
+
+bool shows_pictures() {
+  if (isatty(STDOUT_FILENO) == 0 || !variable("TMUX").empty() || !variable("STY").empty()) {
+    return false;
+  }
+  const std::string terminal = variable("TERM"), program = variable("TERM_PROGRAM");
+  return terminal == "xterm-kitty" || terminal == "xterm-ghostty" || program == "WezTerm" ||
+         program == "ghostty";
+}
+
+std::string terminal_picture(std::string_view png) {
+  constexpr size_t kChunk = 4096;  // of letters, the most that the protocol takes at once
+  const std::string letters = base64(png);
+  std::string out;
+  for (size_t begin = 0; begin < letters.size(); begin += kChunk) {
+    const bool is_last = begin + kChunk >= letters.size();
+    // a=T: show it; f=100: a PNG; q=2: answer nothing; m: whether there is more
+    out += begin == 0 ? "\033_Ga=T,f=100,q=2," : "\033_G";
+    out += is_last ? "m=0;" : "m=1;";
+    out += letters.substr(begin, kChunk) + "\033\\";
+  }
+  return out + "\n";
 }
 
 size_t text_width() {

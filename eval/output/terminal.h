@@ -21,6 +21,13 @@ struct TextLook {
 /// where it is no terminal.
 TextLook look_of_standard_output();
 
+/// Whether standard output is a terminal that says that it shows pictures by kitty's graphics
+/// protocol (kitty, Ghostty, WezTerm), with nothing between that would swallow them (tmux, screen).
+bool shows_pictures();
+
+/// A PNG as such a terminal takes it (https://sw.kovidgoyal.net/kitty/graphics-protocol/).
+std::string terminal_picture(std::string_view png);
+
 /// The width of tables of text: kTextTableWidth, or what the program has set once, at its start,
 /// for the terminal that it runs in.
 size_t text_width();

@@ -21,6 +21,7 @@
 #include "renderer/renderer.h"
 #include "renderer/sample_pattern.h"
 #include "scenes/files/assets.h"
+#include "scenes/files/child_process.h"
 #include "scenes/files/input_error.h"
 #include "scenes/scene/scene.h"
 
@@ -136,8 +137,19 @@ std::string edge_table() {
   return text;
 }
 
+// Programs that a run asks, and what it goes without where they are missing.
+Section programs() {
+  const auto said = [](const std::string& program, const std::string& without) {
+    const bool is_there = run_program({program, "--version"}, "/") != kProgramNotFound;
+    return std::pair(program, is_there ? "found" : "missing: " + without);
+  };
+  return {"programs",
+          {said("gnuplot", "runs have no figures/ for print (package gnuplot-nox)"),
+           said("xdg-open", "report --open shows nothing (package xdg-utils)")}};
+}
+
 std::vector<Section> sections() {
-  return {libraries(), folders(), drawing(), shard()};
+  return {libraries(), folders(), programs(), drawing(), shard()};
 }
 
 Json errors_json(const EdgeErrors& errors) {

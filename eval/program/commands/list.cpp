@@ -1,8 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -10,7 +12,12 @@
 #include "eval/program/catalogue_lists.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/key_lists.h"
+#include "eval/target/target_report.h"
+#include "renderer/renderer.h"
+#include "scenes/files/assets.h"
 #include "scenes/files/input_error.h"
+#include "scenes/picture/picture_file.h"
+#include "scenes/target/target.h"
 
 namespace sightline {
 namespace {
@@ -21,6 +28,16 @@ struct ListArguments {
   bool is_markdown = false;
   bool is_json = false;
 };
+
+// The picture of a target that is shown alone, where the terminal can.
+void print_picture(const std::string& name) {
+  const std::vector<std::string> targets = target_names();
+  const bool is_target = std::find(targets.begin(), targets.end(), name) != targets.end();
+  if (!is_target || !shows_pictures()) return;
+  const Scene scene = picture_scene(load_target(name), TargetArguments().theta_deg);
+  const Frame frame = Renderer().render(scene, RandomStream(0, "picture", 0));
+  std::cout << terminal_picture(png_bytes(frame.image));
+}
 
 void print_list(const ListArguments& arguments) {
   if (arguments.what != "keys") {
@@ -33,6 +50,7 @@ void print_list(const ListArguments& arguments) {
     if (arguments.is_markdown) std::cout << page_licence();
     std::cout << (arguments.is_json ? catalogue_json(arguments.what)
                                     : shown(catalogue_lists(arguments.what)));
+    if (!arguments.is_json) print_picture(arguments.what);
   } else if (arguments.is_markdown) {
     if (!arguments.table.empty()) throw InputError("list keys: --markdown is of all tables");
     std::cout << key_page();

@@ -70,6 +70,24 @@ TEST(Terminal, TheProgramHasColoursInOneAlone) {
   EXPECT_THAT(run(study).output, Not(HasSubstr("\033")));
 }
 
+TEST(Terminal, APictureIsSentInPiecesThatTheProtocolTakes) {
+  const std::string png(4000, 'x');  // 5336 letters: one piece of 4096 and the rest
+  const std::string sent = terminal_picture(png);
+  EXPECT_TRUE(sent.starts_with("\033_Ga=T,f=100,q=2,m=1;"));
+  EXPECT_THAT(sent, HasSubstr("\033\\\033_Gm=0;"));
+  EXPECT_TRUE(sent.ends_with("\033\\\n"));
+  EXPECT_TRUE(terminal_picture("one").starts_with("\033_Ga=T,f=100,q=2,m=0;b25l"));
+  EXPECT_FALSE(shows_pictures()) << "a test's standard output is no terminal";
+}
+
+TEST(Terminal, ATargetIsShownWhereTheTerminalSaysThatItCan) {
+  if (run_shell("command -v script").exit_code != 0) GTEST_SKIP() << "there is no `script`";
+  EXPECT_THAT(in_terminal("TERM=xterm-kitty TMUX= STY=", "list cube"), HasSubstr("\033_Ga=T"));
+  EXPECT_THAT(in_terminal("TERM=xterm-kitty TMUX=1", "list cube"), Not(HasSubstr("\033_G")));
+  EXPECT_THAT(in_terminal("TERM=xterm TMUX= STY=", "list cube"), Not(HasSubstr("\033_G")));
+  EXPECT_THAT(in_terminal("TERM=xterm-kitty TMUX= STY=", "list lspe"), Not(HasSubstr("\033_G")));
+}
+
 TEST(Terminal, NoLineOfTheListsIsWiderThanIt) {
   if (run_shell("command -v script").exit_code != 0) GTEST_SKIP() << "there is no `script`";
   for (const char* list : {"list", "list keys image", "list measures", "target cube"}) {

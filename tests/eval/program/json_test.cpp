@@ -120,6 +120,11 @@ TEST_F(ProgramJson, OfTheDoctorSaysWhatTheProgramStandsOn) {
   const Json told = printed("doctor");
   EXPECT_THAT(told["folders"]["assets"].get<std::string>(), HasSubstr("targets"));
   EXPECT_TRUE(told["libraries"].contains("OpenCV"));
+  EXPECT_EQ(told["programs"]["gnuplot"], "found");
+  // Without any program in PATH it says what is lost.
+  const Json alone = Json::parse(
+      run_shell(fmt::format("PATH=/nowhere '{}' doctor --json", SIGHTLINE_PROGRAM)).output);
+  EXPECT_THAT(alone["programs"]["gnuplot"].get<std::string>(), HasSubstr("no figures/"));
   const Json licences = printed("doctor --licences");
   EXPECT_GT(licences["libraries"].size(), 20u);
   EXPECT_EQ(licences["libraries"][0]["name"], "Assimp");
