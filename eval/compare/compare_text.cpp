@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "eval/output/json.h"
 #include "eval/output/numbers.h"
 #include "eval/output/plain_text.h"
 #include "eval/output/text_table.h"
@@ -153,6 +155,32 @@ std::string to_markdown(const Comparison& comparison) {
     }
   }
   return text;
+}
+
+std::string to_json(const Comparison& comparison) {
+  Json json = {{"study", comparison.study},
+               {"how", comparison.how},
+               {"settings", comparison.settings},
+               {"tolerance", comparison.tolerance},
+               {"has_regression", comparison.has_regression()},
+               {"cells", Json::array()}};
+  for (const CellDifference& cell : comparison.cells) {
+    Json differences = Json::array();
+    for (const Difference& d : cell.differences) {
+      differences.push_back({{"measure", d.quantity},
+                             {"trials", d.trials},
+                             {"base", d.base},
+                             {"new", d.now},
+                             {"change_ci95", d.ci95},
+                             {"p", d.p},
+                             {"verdict", to_string(d.verdict)}});
+    }
+    json["cells"].push_back({{"condition", cell.condition},
+                             {"solver", cell.solver},
+                             {"verdict", to_string(cell.verdict)},
+                             {"differences", std::move(differences)}});
+  }
+  return json_text(json);
 }
 
 }  // namespace sightline

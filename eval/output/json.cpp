@@ -135,6 +135,10 @@ Json read_json(const std::filesystem::path& file) {
   }
 }
 
+std::string json_text(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 void with_json(const std::filesystem::path& file, const std::function<void(const Json&)>& use) {
   const Json json = read_json(file);
   try {

@@ -21,6 +21,9 @@ using Json = nlohmann::ordered_json;
 /// what walks through JSON calls itself.
 Json read_json(const std::filesystem::path& file);
 
+/// The text of JSON for standard output or a file, indented; bytes that are no UTF-8 are U+FFFD.
+std::string json_text(const Json& json);
+
 /// Calls `use` with what read_json gives. Throws InputError, with the file, where it lacks what
 /// `use` asks it for.
 void with_json(const std::filesystem::path& file, const std::function<void(const Json&)>& use);

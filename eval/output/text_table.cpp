@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "eval/output/plain_text.h"
+#include "eval/output/terminal.h"
 
 namespace sightline {
 namespace {
@@ -79,7 +80,7 @@ std::string block_of_first(const std::vector<std::string>& labels, std::vector<T
   size_t fitting = 0;
   for (const TextGroup& group : groups) {
     total += kBetweenGroups.size() + width(group);
-    if (fitting > 0 && total > kTextTableWidth) break;
+    if (fitting > 0 && total > text_width()) break;
     ++fitting;
     titles.append(kBetweenGroups) += left(group.title, width(group));
     names.append(kBetweenGroups) += group_line(group, [](const TextColumn& c) { return c.name; });
@@ -114,9 +115,9 @@ std::string wrapped(std::string_view text) {
   std::string line;
   while (!text.empty()) {
     const size_t end = std::min(text.find(' '), text.size());
-    const std::string word = shortened(std::string(text.substr(0, end)), kTextTableWidth);
+    const std::string word = shortened(std::string(text.substr(0, end)), text_width());
     text.remove_prefix(std::min(end + 1, text.size()));
-    if (!line.empty() && width(line) + 1 + width(word) > kTextTableWidth) {
+    if (!line.empty() && width(line) + 1 + width(word) > text_width()) {
       lines += line + "\n";
       line.clear();
     }

@@ -11,6 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "eval/compare/measures.h"
+#include "eval/output/json.h"
 #include "eval/results/columns_page.h"
 #include "features/extractor.h"
 #include "pose/absolute_orientation.h"
@@ -36,35 +37,35 @@ std::string section(const std::string& title, const std::vector<Line>& lines) {
   return out;
 }
 
-std::string targets() {
+std::vector<Line> targets() {
   std::vector<Line> lines;
   for (const std::string& name : target_names()) {
     const TomlTable table = TomlTable::read_file(find_target_file(name));
     lines.push_back({name, table.text("description", "")});
   }
-  return section("targets", lines);
+  return lines;
 }
 
-std::string extractors() {
+std::vector<Line> extractors() {
   std::vector<Line> lines;
   for (const FeatureExtractor& extractor : feature_extractors()) {
     lines.push_back({std::string(extractor.name),
                      fmt::format("[{}] {}", extractor.needs_edges ? "line_intersection" : "any",
                                  extractor.summary)});
   }
-  return section("extractors", lines);
+  return lines;
 }
 
-std::string solvers() {
+std::vector<Line> solvers() {
   std::vector<Line> lines;
   for (const PoseSolver& solver : pose_solvers()) {
     const char* note = solver.evaluation_only ? " (evaluation only: needs the truth)" : "";
     lines.push_back({std::string(solver.name), fmt::format("{}{}", solver.summary, note)});
   }
-  return section("solvers", lines);
+  return lines;
 }
 
-std::string methods() {
+std::vector<Line> methods() {
   std::vector<Line> lines;
   for (const OrientationMethod& method : orientation_methods()) {
     lines.push_back({std::string(method.name), std::string(method.summary)});
@@ -73,10 +74,10 @@ std::string methods() {
     lines.push_back(
         {std::string(method.name), fmt::format("{} (for pairs with outliers)", method.summary)});
   }
-  return section("methods", lines);
+  return lines;
 }
 
-std::string studies() {
+std::vector<Line> studies() {
   std::vector<Line> lines;
   for (const std::string& name : study_names()) {
     const TomlTable table = TomlTable::read_file(find_study_file(name));
@@ -84,7 +85,7 @@ std::string studies() {
     lines.push_back({name, table.text("question", "") +
                                (reference.empty() ? "" : fmt::format(" [{}]", reference))});
   }
-  return section("studies", lines);
+  return lines;
 }
 
 std::string fields(const std::vector<Line>& lines) {
@@ -173,29 +174,51 @@ std::string entry(const std::string& name, std::vector<std::string>& names) {
   return out;
 }
 
+using List = std::pair<std::string, std::vector<Line> (*)()>;
+
+std::vector<List> all_lists() {
+  return {{"targets", targets},
+          {"extractors", extractors},
+          {"solvers", solvers},
+          {"methods", methods},
+          {"studies", studies}};
+}
+
 }  // namespace
 
 std::string catalogue_lists(const std::string& what) {
-  using List = std::pair<std::string, std::string (*)()>;
-  const std::vector<List> lists = {{"targets", targets},
-                                   {"extractors", extractors},
-                                   {"solvers", solvers},
-                                   {"methods", methods},
-                                   {"studies", studies}};
   // Too long to stand among the others:
   if (what == "columns") return columns_page();
   if (what == "measures") return measures_list();
   std::vector<std::string> known = {"columns", "measures"}, all;
-  for (const auto& [name, list] : lists) {
-    if (what == name) return list();
+  for (const auto& [name, list] : all_lists()) {
+    if (what == name) return section(name, list());
     known.push_back(name);
-    if (what.empty()) all.push_back(list());
+    if (what.empty()) all.push_back(section(name, list()));
   }
   known.emplace_back("keys");
   if (what.empty()) return fmt::to_string(fmt::join(all, "\n"));
   if (const std::string found = entry(what, known); !found.empty()) return found;
   throw InputError(
       fmt::format("list: '{}' is no list and nothing in one{}", what, suggestion(what, known)));
+}
+
+std::string catalogue_json(const std::string& what) {
+  Json json;
+  std::vector<std::string> known;
+  for (const auto& [name, list] : all_lists()) {
+    known.push_back(name);
+    if (!what.empty() && what != name) continue;
+    json[name] = Json::array();
+    for (const Line& line : list()) {
+      json[name].push_back({{"name", line.name}, {"text", line.text}});
+    }
+  }
+  if (json.is_null()) {
+    throw InputError(fmt::format("list: '{}' has no JSON, must be one of {} or keys", what,
+                                 fmt::join(known, ", ")));
+  }
+  return json_text(json);
 }
 
 }  // namespace sightline

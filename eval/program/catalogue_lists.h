@@ -12,4 +12,8 @@ namespace sightline {
 /// other word. What is in a file's keys is in key_lists.h.
 std::string catalogue_lists(const std::string& what);
 
+/// The lists of names, or one of them, as JSON: an array of objects with `name` and `text` each.
+/// Throws InputError for what has none.
+std::string catalogue_json(const std::string& what);
+
 }  // namespace sightline

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <cstdlib>
 #include <limits>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Core>
 #include <SQLiteCpp/Database.h>
@@ -13,31 +15,35 @@
 #include <fmt/ranges.h>
 #include <opencv2/core.hpp>
 
+#include "eval/output/json.h"
 #include "eval/work/shard.h"
 #include "renderer/edge_errors.h"
 #include "renderer/renderer.h"
 #include "renderer/sample_pattern.h"
 #include "scenes/files/assets.h"
+#include "scenes/files/child_process.h"
 #include "scenes/files/input_error.h"
 #include "scenes/scene/scene.h"
 
 namespace sightline {
 namespace {
 
-std::string line(const std::string& name, const std::string& value) {
-  return fmt::format("  {:<16}{}\n", name, value);
+struct Section {
+  std::string title;
+  std::vector<std::pair<std::string, std::string>> lines;
+};
+
+Section libraries() {
+  return {"libraries",
+          {{"OpenCV", cv::getVersionString()},
+           {"Eigen",
+            fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION)},
+           {"SQLite", SQLite::getLibVersion()},
+           {"fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
+                               FMT_VERSION % 100)}}};
 }
 
-std::string libraries() {
-  return "libraries\n" + line("OpenCV", cv::getVersionString()) +
-         line("Eigen", fmt::format("{}.{}.{}", EIGEN_WORLD_VERSION, EIGEN_MAJOR_VERSION,
-                                   EIGEN_MINOR_VERSION)) +
-         line("SQLite", SQLite::getLibVersion()) +
-         line("fmt", fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100,
-                                 FMT_VERSION % 100));
-}
-
-std::string folders() {
+Section folders() {
   std::string assets;
   try {
     assets = fmt::format("{} ({} targets, {} studies)", assets_folder().string(),
@@ -45,7 +51,7 @@ std::string folders() {
   } catch (const std::exception& error) {
     assets = error.what();
   }
-  return "folders\n" + line("assets", assets);
+  return {"folders", {{"assets", assets}}};
 }
 
 std::string context_of(GlChoice choice) {
@@ -56,14 +62,15 @@ std::string context_of(GlChoice choice) {
   }
 }
 
-std::string drawing() {
-  return "drawing\n" + line("used by default", Renderer().description()) +
-         line("--gl auto", context_of(GlChoice::kAuto)) +
-         line("--gl osmesa", context_of(GlChoice::kOsMesa)) +
-         line("--gl egl", context_of(GlChoice::kEgl));
+Section drawing() {
+  return {"drawing",
+          {{"used by default", Renderer().description()},
+           {"--gl auto", context_of(GlChoice::kAuto)},
+           {"--gl osmesa", context_of(GlChoice::kOsMesa)},
+           {"--gl egl", context_of(GlChoice::kEgl)}}};
 }
 
-std::string shard() {
+Section shard() {
   std::string text;
   try {
     const ShardChoice choice =
@@ -72,7 +79,7 @@ std::string shard() {
   } catch (const InputError& error) {
     text = error.what();
   }
-  return "shards\n" + line("--shard auto", text);
+  return {"shards", {{"--shard auto", text}}};
 }
 
 // Milliseconds of the fastest of a few frames of a Boeing 707 across half the image, truth and all
@@ -95,65 +102,102 @@ double frame_ms(Renderer& renderer, int samples_per_pixel) {
   return best_ms;
 }
 
-std::string edge_table() {
+// Of one number of samples: what is measured, what is promised, and a frame's time.
+struct EdgeRow {
+  int samples;
+  EdgeErrors measured, promised;
+  double ms;
+};
+
+std::vector<EdgeRow> edge_rows() {
   constexpr int kPoses = 30;
+  std::vector<EdgeRow> rows;
+  Renderer renderer;
+  for (const int samples : kSampleCounts) {
+    rows.push_back({samples, measure_edge_errors(renderer, samples, kPoses),
+                    promised_edge_errors(samples), frame_ms(renderer, samples)});
+  }
+  return rows;
+}
+
+std::string edge_table() {
   std::string text =
       "edges and vertices of a cube, px rms from their places (promised), and a frame of 512 x "
       "512\n"
       "  samples   general edges       edges along an axis   vertices            ms a frame\n";
-  Renderer renderer;
-  for (const int samples : kSampleCounts) {
-    const EdgeErrors measured = measure_edge_errors(renderer, samples, kPoses);
-    const EdgeErrors promised = promised_edge_errors(samples);
+  for (const auto& [samples, measured, promised, ms] : edge_rows()) {
     const auto cell = [](double value, double limit) {
       return fmt::format("{:.4f} ({:.4f}){}", value, limit, value <= limit ? "   " : " ! ");
     };
     text += fmt::format("  {:>7}   {:<20}{:<22}{:<20}{:.1f}\n", samples,
                         cell(measured.general_px, promised.general_px),
                         cell(measured.axis_px, promised.axis_px),
-                        cell(measured.vertex_px, promised.vertex_px), frame_ms(renderer, samples));
+                        cell(measured.vertex_px, promised.vertex_px), ms);
   }
   return text;
 }
 
+// Programs that a run asks, and what it goes without where they are missing.
+Section programs() {
+  const auto said = [](const std::string& program, const std::string& without) {
+    const bool is_there = run_program({program, "--version"}, "/") != kProgramNotFound;
+    return std::pair(program, is_there ? "found" : "missing: " + without);
+  };
+  return {"programs",
+          {said("gnuplot", "runs have no figures/ for print (package gnuplot-nox)"),
+           said("xdg-open", "report --open shows nothing (package xdg-utils)")}};
+}
+
+std::vector<Section> sections() {
+  return {libraries(), folders(), programs(), drawing(), shard()};
+}
+
+Json errors_json(const EdgeErrors& errors) {
+  return {{"general_px", errors.general_px},
+          {"axis_px", errors.axis_px},
+          {"vertex_px", errors.vertex_px}};
+}
+
+struct Library {
+  const char* name;
+  const char* package;
+  const char* licence;
+};
+
+constexpr Library kLibraries[] = {
+    {"Assimp", "libassimp-dev", "BSD-3-Clause"},
+    {"Boost", "libboost-dev", "BSL-1.0"},
+    {"CGAL", "libcgal-dev", "GPL-3.0-or-later"},
+    {"Chart.js", "libjs-chart.js", "MIT"},
+    {"CLI11", "libcli11-dev", "BSD-3-Clause"},
+    {"Draco", "libdraco-dev", "Apache-2.0"},
+    {"Eigen", "libeigen3-dev", "MPL-2.0"},
+    {"fmt", "libfmt-dev", "MIT"},
+    {"JSON for Modern C++", "nlohmann-json3-dev", "MIT"},
+    {"libjpeg-turbo", "libturbojpeg0-dev", "IJG AND BSD-3-Clause"},
+    {"libpng", "libpng-dev", "libpng-2.0"},
+    {"libtiff", "libtiff-dev", "libtiff"},
+    {"libwebp", "libwebp-dev", "BSD-3-Clause"},
+    {"Mesa (loaded for --gl)", "libosmesa6-dev", "MIT"},
+    {"meshoptimizer", "libmeshoptimizer-dev", "MIT"},
+    {"Mustache", "libkainjow-mustache-dev", "BSL-1.0"},
+    {"OpenCV", "libopencv-dev", "Apache-2.0"},
+    {"OpenEXR", "libopenexr-dev", "BSD-3-Clause"},
+    {"pugixml", "libpugixml-dev", "MIT"},
+    {"pybind11", "pybind11-dev", "BSD-3-Clause"},
+    {"Random123", "librandom123-dev", "BSD-3-Clause"},
+    {"SQLite", "libsqlite3-dev", "blessing"},
+    {"SQLiteCpp", "libsqlitecpp-dev", "MIT"},
+    {"stb_image", "libstb-dev", "MIT"},
+    {"tinygltf", "libtinygltf-dev", "MIT"},
+    {"toml++", "libtomlplusplus-dev", "MIT"},
+    {"yaml-cpp", "libyaml-cpp-dev", "MIT"},
+    {"zlib", "zlib1g-dev", "Zlib"},
+};
+
 }  // namespace
 
 std::string library_licences() {
-  struct Library {
-    const char* name;
-    const char* package;
-    const char* licence;
-  };
-  constexpr Library kLibraries[] = {
-      {"Assimp", "libassimp-dev", "BSD-3-Clause"},
-      {"Boost", "libboost-dev", "BSL-1.0"},
-      {"CGAL", "libcgal-dev", "GPL-3.0-or-later"},
-      {"Chart.js", "libjs-chart.js", "MIT"},
-      {"CLI11", "libcli11-dev", "BSD-3-Clause"},
-      {"Draco", "libdraco-dev", "Apache-2.0"},
-      {"Eigen", "libeigen3-dev", "MPL-2.0"},
-      {"fmt", "libfmt-dev", "MIT"},
-      {"JSON for Modern C++", "nlohmann-json3-dev", "MIT"},
-      {"libjpeg-turbo", "libturbojpeg0-dev", "IJG AND BSD-3-Clause"},
-      {"libpng", "libpng-dev", "libpng-2.0"},
-      {"libtiff", "libtiff-dev", "libtiff"},
-      {"libwebp", "libwebp-dev", "BSD-3-Clause"},
-      {"Mesa (loaded for --gl)", "libosmesa6-dev", "MIT"},
-      {"meshoptimizer", "libmeshoptimizer-dev", "MIT"},
-      {"Mustache", "libkainjow-mustache-dev", "BSL-1.0"},
-      {"OpenCV", "libopencv-dev", "Apache-2.0"},
-      {"OpenEXR", "libopenexr-dev", "BSD-3-Clause"},
-      {"pugixml", "libpugixml-dev", "MIT"},
-      {"pybind11", "pybind11-dev", "BSD-3-Clause"},
-      {"Random123", "librandom123-dev", "BSD-3-Clause"},
-      {"SQLite", "libsqlite3-dev", "blessing"},
-      {"SQLiteCpp", "libsqlitecpp-dev", "MIT"},
-      {"stb_image", "libstb-dev", "MIT"},
-      {"tinygltf", "libtinygltf-dev", "MIT"},
-      {"toml++", "libtomlplusplus-dev", "MIT"},
-      {"yaml-cpp", "libyaml-cpp-dev", "MIT"},
-      {"zlib", "zlib1g-dev", "Zlib"},
-  };
   std::string text = fmt::format(
       "sightline {}: GPL-3.0-or-later; pose/ alone: Apache-2.0\n"
       "Made of these, each from Debian's package of that name:\n",
@@ -164,11 +208,39 @@ std::string library_licences() {
   return text;
 }
 
+std::string licences_json() {
+  Json json = {{"sightline", SIGHTLINE_VERSION}, {"libraries", Json::array()}};
+  for (const Library& library : kLibraries) {
+    json["libraries"].push_back(
+        {{"name", library.name}, {"package", library.package}, {"licence", library.licence}});
+  }
+  return json_text(json);
+}
+
 std::string doctor(bool measures_renderer) {
-  std::string text = fmt::format("sightline {}, built by {}\n", SIGHTLINE_VERSION, __VERSION__) +
-                     libraries() + folders() + drawing() + shard();
+  std::string text = fmt::format("sightline {}, built by {}\n", SIGHTLINE_VERSION, __VERSION__);
+  for (const Section& section : sections()) {
+    text += section.title + "\n";
+    for (const auto& [name, value] : section.lines)
+      text += fmt::format("  {:<16}{}\n", name, value);
+  }
   if (measures_renderer) text += edge_table();
   return text;
+}
+
+std::string doctor_json(bool measures_renderer) {
+  Json json = {{"sightline", SIGHTLINE_VERSION}, {"compiler", __VERSION__}};
+  for (const Section& section : sections()) {
+    for (const auto& [name, value] : section.lines) json[section.title][name] = value;
+  }
+  if (!measures_renderer) return json_text(json);
+  for (const auto& [samples, measured, promised, ms] : edge_rows()) {
+    json["renderer"].push_back({{"samples", samples},
+                                {"measured", errors_json(measured)},
+                                {"promised", errors_json(promised)},
+                                {"frame_ms", ms}});
+  }
+  return json_text(json);
 }
 
 }  // namespace sightline

@@ -15,4 +15,8 @@ std::string doctor(bool measures_renderer);
 /// The libraries that the program is made of, each with its package and licence (by SPDX).
 std::string library_licences();
 
+/// The same two as JSON.
+std::string doctor_json(bool measures_renderer);
+std::string licences_json();
+
 }  // namespace sightline

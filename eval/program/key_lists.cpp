@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "eval/output/json.h"
 #include "eval/study/key_tables.h"
 #include "scenes/files/input_error.h"
 #include "scenes/scene/scene_law.h"
@@ -47,6 +49,20 @@ std::vector<KeyTable> all_tables() {
     found->keys.push_back(std::move(key));
   }
   return tables;
+}
+
+// The table of that name, all where it is empty.
+std::vector<KeyTable> tables_of_name(const std::string& name) {
+  std::vector<KeyTable> found;
+  std::vector<std::string> known;
+  for (const KeyTable& table : all_tables()) {
+    known.push_back(table.name);
+    if (name.empty() || name == table.name) found.push_back(table);
+  }
+  if (!found.empty()) return found;
+  std::erase(known, "");
+  throw InputError(
+      fmt::format("list keys: '{}' is not a table of a file{}", name, suggestion(name, known)));
 }
 
 using Row = std::array<std::string, 5>;
@@ -91,25 +107,40 @@ std::string markdown_of(const KeyTable& table) {
 
 std::string key_list(const std::string& table) {
   std::string out;
-  std::vector<std::string> known;
-  for (const KeyTable& listed : all_tables()) {
-    known.push_back(listed.name);
-    if (table.empty() || table == listed.name) out += (out.empty() ? "" : "\n") + text_of(listed);
+  for (const KeyTable& listed : tables_of_name(table)) {
+    out += (out.empty() ? "" : "\n") + text_of(listed);
   }
-  if (!out.empty()) return out;
-  std::erase(known, "");
-  throw InputError(
-      fmt::format("list keys: '{}' is not a table of a file{}", table, suggestion(table, known)));
+  return out;
+}
+
+std::string key_json(const std::string& table) {
+  Json json = {{"tables", Json::array()}};
+  for (const KeyTable& listed : tables_of_name(table)) {
+    Json keys = Json::array();
+    for (const KeyText& key : listed.keys) {
+      keys.push_back({{"key", key.name},
+                      {"unit", key.unit},
+                      {"range", key.range},
+                      {"default", key.fallback},
+                      {"meaning", key.meaning}});
+    }
+    json["tables"].push_back({{"table", listed.name}, {"keys", std::move(keys)}});
+  }
+  return json_text(json);
+}
+
+std::string page_licence() {
+  // In two pieces, for the licence of a page is not that of this file's lines.
+  return "<!-- SPDX-"
+         "FileCopyrightText: 2026 The Sightline authors -->\n"
+         "<!-- SPDX-"
+         "License-Identifier: GPL-3.0-or-later -->\n\n";
 }
 
 std::string key_page() {
   std::string out =
-      // In two pieces, for the licence of this page is not that of this file's lines.
-      "<!-- SPDX-"
-      "FileCopyrightText: 2026 The Sightline authors -->\n"
-      "<!-- SPDX-"
-      "License-Identifier: GPL-3.0-or-later -->\n"
-      "\n# The keys of scene and study files\n\n"
+      page_licence() +
+      "# The keys of scene and study files\n\n"
       "Printed by `sightline list keys --markdown`, from the tables that read the files: do not\n"
       "edit. A key with a range \"or [low, high]\" is drawn anew for every image, uniformly.\n";
   for (const KeyTable& table : all_tables()) out += markdown_of(table);

@@ -11,7 +11,13 @@ namespace sightline {
 /// them. Throws InputError for a table that does not exist.
 std::string key_list(const std::string& table);
 
+/// The same as JSON, an object for each table.
+std::string key_json(const std::string& table);
+
 /// The same for all tables as a page, docs/keys.md.
 std::string key_page();
+
+/// The two lines with which a page of docs/ begins, its licence, and an empty one.
+std::string page_licence();
 
 }  // namespace sightline

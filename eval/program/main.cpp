@@ -10,6 +10,7 @@
 #include <opencv2/core/utils/logger.hpp>
 
 #include "eval/output/plain_text.h"
+#include "eval/output/terminal.h"
 #include "eval/program/commands.h"
 #include "eval/work/interrupt.h"
 #include "eval/work/kept_memory.h"
@@ -46,6 +47,9 @@ int main(int argc, char** argv) {
   // What it cannot read we say in a line of our own.
   cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
   sightline::keep_freed_memory();
+  if (const size_t columns = sightline::look_of_standard_output().columns; columns > 0) {
+    sightline::set_text_width(columns);
+  }
   CLI::App app(
       "Sightline renders meshed targets under known poses, extracts features from the images,\n"
       "estimates the pose from them, and measures every step against the truth.",

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include "eval/output/output_folder.h"
+#include "eval/output/terminal.h"
+#include "eval/summary/summary_json.h"
 #include "eval/tables/result_table.h"
 #include "eval/work/processors.h"
 #include "eval/work/shard.h"
@@ -20,8 +22,13 @@ namespace {
 
 constexpr int kSomeTrialsNotRunExit = 4;
 
-void print_result(const Study& study, const RunResult& result, const std::filesystem::path& out) {
-  std::cout << to_table(study, result.summary)
+void print_result(const Study& study, const RunResult& result, const RunArguments& arguments,
+                  const std::filesystem::path& out) {
+  if (arguments.is_json) {
+    std::cout << to_json(study, result.summary);
+    return;
+  }
+  std::cout << shown(to_table(study, result.summary))
             << "\nreport: " << std::filesystem::absolute(out / "report.html").string() << "\n";
 }
 
@@ -60,6 +67,7 @@ void add_run_options(CLI::App& sub, CLI::Option* out, RunArguments& arguments) {
   sub.add_option("--shard", arguments.shard,
                  "Only trials with number mod N = I: I/N, auto or auto/N (from the engine)");
   sub.add_flag("--quiet", arguments.is_quiet, "No progress and no table");
+  sub.add_flag("--json", arguments.is_json, "Print what summary.json holds, instead of the tables");
 }
 
 void print_note(const RunResult& result) {
@@ -102,7 +110,9 @@ int run_command(const Study& study, const RunArguments& arguments, const std::fi
     std::cerr << fmt::format("resumed: {} of {} trials were there\n", result.resumed_trials,
                              result.trials);
   }
-  if (!arguments.is_quiet) print_result(study, result, options.out);
+  if (!arguments.is_quiet || arguments.is_json) {
+    print_result(study, result, arguments, options.out);
+  }
   print_note(result);
   return exit_code_of(result);
 }

@@ -26,6 +26,7 @@ struct RunArguments {
   std::string gl = "none";
   bool is_resumed = false;
   bool is_quiet = false;
+  bool is_json = false;
 };
 
 /// Adds the options of every command that runs trials, but for --out, which --resume needs.

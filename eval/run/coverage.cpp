@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/output/json.h"
 #include "eval/run/trial_runner.h"
 #include "eval/summary/quantities.h"
 #include "eval/summary/summary.h"
@@ -149,6 +150,24 @@ std::string coverage_table(const std::vector<NumberCoverage>& numbers) {
                               number.least_cell, 100 * number.without);
   }
   return text;
+}
+
+std::string coverage_json(const Study& study, int repeats,
+                          const std::vector<NumberCoverage>& numbers) {
+  Json json = {{"study", study.name},
+               {"repeats", repeats},
+               {"trials", study.trial_count()},
+               {"numbers", Json::array()}};
+  for (const NumberCoverage& number : numbers) {
+    const bool has_cells = number.cells > 0;
+    json["numbers"].push_back({{"number", number.name},
+                               {"cells", number.cells},
+                               {"mean", has_cells ? Json(number.mean) : Json()},
+                               {"least", has_cells ? Json(number.least) : Json()},
+                               {"least_cell", has_cells ? Json(number.least_cell) : Json()},
+                               {"without_interval", number.without}});
+  }
+  return json_text(json);
 }
 
 }  // namespace sightline

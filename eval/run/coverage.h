@@ -40,4 +40,8 @@ std::vector<NumberCoverage> interval_coverage(const Study& study, const Coverage
 /// The table of them, for the terminal and the docs (Markdown).
 std::string coverage_table(const std::vector<NumberCoverage>& numbers);
 
+/// All numbers as JSON, those without an interval too: their rates are null.
+std::string coverage_json(const Study& study, int repeats,
+                          const std::vector<NumberCoverage>& numbers);
+
 }  // namespace sightline

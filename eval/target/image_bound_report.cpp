@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include "eval/output/json.h"
+#include "eval/output/text_table.h"
 #include "pose/angles.h"
 #include "pose/bounds.h"
 #include "registration/image_bound.h"
@@ -82,32 +84,36 @@ std::vector<ImageBoundRow> image_bound_rows(const Study& study, int scenes) {
 }
 
 std::string image_bound_table(const std::string& title, const std::vector<ImageBoundRow>& rows) {
-  constexpr size_t kLongest = 28;
   double least = std::numeric_limits<double>::infinity(), greatest = 0;
   for (const ImageBoundRow& row : rows) {
     if (!std::isfinite(row.theta_deg[1])) continue;
     least = std::min(least, row.theta_deg[1]);
     greatest = std::max(greatest, row.theta_deg[1]);
   }
-  std::string text = title + "\n";
-  text += "Cramér-Rao bounds, root mean squares: theta_error in degrees, T_error in percent\n";
-  text += fmt::format("{:28} {:>6}", "", "scenes");
-  for (const char* kind : kImageBoundKinds) text += fmt::format(" {:>18}", kind);
-  text += "\n";
+  std::vector<std::string> labels;
+  TextColumn scenes{"scenes", {}}, unknown_light{"theta / °", {}}, bars{"", {}};
   for (const ImageBoundRow& row : rows) {
-    text += fmt::format("{:28} {:>6}", row.label.substr(0, kLongest), row.scenes);
-    for (size_t kind = 0; kind < kKinds; ++kind) {
-      text += fmt::format(" {:>9.5f} {:>8.5f}", row.theta_deg[kind], row.t_percent[kind]);
+    labels.push_back(row.label);
+    scenes.cells.push_back(fmt::to_string(row.scenes));
+    unknown_light.cells.push_back(fmt::format("{:.5f}", row.theta_deg[1]));
+    bars.cells.push_back(fmt::format("{:<24}", bar_of(row.theta_deg[1], least, greatest)));
+  }
+  std::vector<TextGroup> groups = {{"", {scenes}}};
+  for (size_t kind = 0; kind < kKinds; ++kind) {
+    TextColumn theta{"theta / °", {}}, t{"T / %", {}};
+    for (const ImageBoundRow& row : rows) {
+      theta.cells.push_back(fmt::format("{:.5f}", row.theta_deg[kind]));
+      t.cells.push_back(fmt::format("{:.5f}", row.t_percent[kind]));
     }
-    text += "\n";
+    groups.push_back({kImageBoundKinds[kind], {theta, t}});
   }
+  std::string text =
+      title + "\n" +
+      text_block("Cramér-Rao bounds of theta_error and T_error, root mean squares over the scenes",
+                 labels, groups);
   if (rows.size() < 2) return text;
-  text += "\ntheta_error, light unknown, on a logarithmic scale\n";
-  for (const ImageBoundRow& row : rows) {
-    text += fmt::format("{:28} {:>9.5f} {}\n", row.label.substr(0, kLongest), row.theta_deg[1],
-                        bar_of(row.theta_deg[1], least, greatest));
-  }
-  return text;
+  return text + text_block("theta_error, light unknown, on a logarithmic scale", labels,
+                           {{"", {unknown_light, bars}}});
 }
 
 std::string image_bound_csv(const std::vector<ImageBoundRow>& rows) {
@@ -124,6 +130,21 @@ std::string image_bound_csv(const std::vector<ImageBoundRow>& rows) {
     text += "\n";
   }
   return text;
+}
+
+std::string image_bound_json(const std::string& title, const std::vector<ImageBoundRow>& rows) {
+  constexpr std::array<const char*, kKinds> kKeys = {"known_light", "unknown_light", "outline"};
+  Json json = {{"title", title}, {"conditions", Json::array()}};
+  for (const ImageBoundRow& row : rows) {
+    Json condition = {
+        {"condition", row.label}, {"scenes", row.scenes}, {"determined", row.determined}};
+    for (size_t kind = 0; kind < kKinds; ++kind) {
+      condition[kKeys[kind]] = {{"theta_error_deg", row.theta_deg[kind]},
+                                {"t_error_percent", row.t_percent[kind]}};
+    }
+    json["conditions"].push_back(std::move(condition));
+  }
+  return json_text(json);
 }
 
 }  // namespace sightline

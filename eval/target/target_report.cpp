@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "eval/output/json.h"
 #include "eval/output/output_folder.h"
 #include "eval/target/silhouette.h"
 #include "eval/target/target_proposal.h"
@@ -97,6 +98,12 @@ std::string features_text(const Target& target) {
   return out;
 }
 
+std::vector<SilhouetteOffset> silhouettes(const Target& target) {
+  std::vector<int> features(target.features.size());
+  std::iota(features.begin(), features.end(), 0);
+  return silhouette_offsets(target, features, views_all_round(target));
+}
+
 // How far a rounded edge shows beside the crease that a feature is.
 std::string silhouettes_text(const Target& target) {
   if (target.features.empty()) return "";
@@ -106,10 +113,7 @@ std::string silhouettes_text(const Target& target) {
       "\nto the diagonal of the target's box:\n\n"
       "feature                         views  median px  max px  median m   max m\n",
       kSilhouetteViews, kSilhouetteSizePx);
-  std::vector<int> features(target.features.size());
-  std::iota(features.begin(), features.end(), 0);
-  const std::vector<SilhouetteOffset> offsets =
-      silhouette_offsets(target, features, views_all_round(target));
+  const std::vector<SilhouetteOffset> offsets = silhouettes(target);
   for (size_t i = 0; i < offsets.size(); ++i) {
     const SilhouetteOffset& offset = offsets[i];
     out += fmt::format("{:<30}  {:>5}", target.features[i].name, offset.views);
@@ -181,14 +185,81 @@ std::string write_coarser(const Target& target, const TargetArguments& arguments
 
 }  // namespace
 
+namespace {
+
+std::shared_ptr<const Target> target_with_mesh(const std::string& name, const MeshUse& use) {
+  std::shared_ptr<const Target> target = load_target(name, use);
+  if (const std::string reason = why_not_renderable(*target); !reason.empty()) {
+    throw InputError(fmt::format("target {}: {}", name, reason));
+  }
+  return target;
+}
+
+Json point_json(const Eigen::Vector3d& point) {
+  return {point.x(), point.y(), point.z()};
+}
+
+Json features_json(const Target& target) {
+  Json features = Json::array();
+  if (target.features.empty()) return features;
+  const std::vector<SilhouetteOffset> offsets = silhouettes(target);
+  for (size_t i = 0; i < offsets.size(); ++i) {
+    const TargetFeature& feature = target.features[i];
+    const SilhouetteOffset& offset = offsets[i];
+    Json outline = {{"views", offset.views}};
+    if (offset.views > 0) {
+      outline["median_px"] = offset.median_px;
+      outline["greatest_px"] = offset.greatest_px;
+      outline["median_m"] = offset.median_m;
+      outline["greatest_m"] = offset.greatest_m;
+    }
+    features.push_back({{"name", feature.name},
+                        {"kind", to_string(feature.kind)},
+                        {"position_m", point_json(feature.position_m)},
+                        {"outline", std::move(outline)}});
+  }
+  return features;
+}
+
+}  // namespace
+
+std::string target_json(const std::string& name, const MeshUse& use) {
+  const std::shared_ptr<const Target> target = target_with_mesh(name, use);
+  const MeshInspection mesh = inspect(target->mesh);
+  Json json = {{"name", target->name},
+               {"description", target->description},
+               {"size_m", point_json(mesh.bounds.max_m - mesh.bounds.min_m)},
+               {"radius_m", mesh.radius_m},
+               {"triangles", mesh.triangles},
+               {"vertices", mesh.vertices},
+               {"pieces", mesh.components},
+               {"closed_pieces", mesh.closed_components},
+               {"open_edges", mesh.open_edges},
+               {"edges_of_three_faces", mesh.non_manifold_edges},
+               {"flipped_edges", mesh.flipped_edges},
+               {"pieces_inside_out", mesh.inward_components},
+               {"sharp_edges", mesh.sharp_edges},
+               {"sharp_length_m", mesh.sharp_length_m},
+               {"welded_vertices", target->cleaning.welded_vertices},
+               {"degenerate_triangles", target->cleaning.degenerate_triangles},
+               {"duplicate_triangles", target->cleaning.duplicate_triangles},
+               {"notes", target_notes(*target)},
+               {"parts", Json::array()},
+               {"features", features_json(*target)}};
+  for (const MeshInspection::PartSummary& part : mesh.parts) {
+    json["parts"].push_back({{"name", part.name},
+                             {"triangles", part.triangles},
+                             {"area_m2", part.area_m2},
+                             {"albedo", part.albedo}});
+  }
+  return json_text(json);
+}
+
 TargetReport report_target(const TargetArguments& arguments) {
   for (const double angle : arguments.theta_deg) {
     if (!std::isfinite(angle)) throw InputError(fmt::format("--theta: {} is not finite", angle));
   }
-  const std::shared_ptr<const Target> target = load_target(arguments.target, arguments.mesh);
-  if (const std::string reason = why_not_renderable(*target); !reason.empty()) {
-    throw InputError(fmt::format("target {}: {}", arguments.target, reason));
-  }
+  const std::shared_ptr<const Target> target = target_with_mesh(arguments.target, arguments.mesh);
   const MeshInspection mesh = inspect(target->mesh);
   std::string out = target->name;
   if (!target->description.empty()) out += ": " + target->description;

@@ -45,4 +45,7 @@ Scene picture_scene(const std::shared_ptr<const Target>& target,
 /// Writes an image. Throws InputError when it does not end in .png or cannot be written.
 void write_picture(const cv::Mat& image, const std::string& file);
 
+/// What report_target says of the target itself, as JSON. Throws what it throws.
+std::string target_json(const std::string& target, const MeshUse& mesh);
+
 }  // namespace sightline

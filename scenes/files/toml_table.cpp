@@ -10,7 +10,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <sstream>
 
 #include <toml++/toml.h>
 
@@ -71,10 +70,22 @@ std::optional<Eigen::Vector3d> point_of(const toml::node* node) {
   return point;
 }
 
+// The parts of a path between its dots. A part in quotes may hold dots, as a key of TOML may:
+// sweep."poses.range_m". Quotes that are not closed are letters.
 std::vector<std::string> split_path(std::string_view path) {
   std::vector<std::string> parts;
-  std::stringstream stream{std::string(path)};
-  for (std::string part; std::getline(stream, part, '.');) parts.push_back(part);
+  while (!path.empty()) {
+    const bool is_quoted = path.front() == '"' || path.front() == '\'';
+    const size_t quote = is_quoted ? path.find(path.front(), 1) : std::string_view::npos;
+    if (quote != std::string_view::npos && (quote + 1 == path.size() || path[quote + 1] == '.')) {
+      parts.emplace_back(path.substr(1, quote - 1));
+      path.remove_prefix(std::min(quote + 2, path.size()));
+      continue;
+    }
+    const size_t dot = std::min(path.find('.'), path.size());
+    parts.emplace_back(path.substr(0, dot));
+    path.remove_prefix(std::min(dot + 1, path.size()));
+  }
   return parts;
 }
 
@@ -122,7 +133,7 @@ std::string apply_override(toml::table& root, const std::string& setting) {
   const toml::table parsed = parse_override_value(setting.substr(equals + 1));
   parsed.get("value")->visit(
       [&](const auto& value) { table->insert_or_assign(path.back(), value); });
-  return key;
+  return fmt::to_string(fmt::join(path, "."));
 }
 
 void add_values(const std::string& path, const toml::node& node,

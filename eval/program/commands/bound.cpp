@@ -9,6 +9,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "eval/output/terminal.h"
 #include "eval/program/commands/commands.h"
 #include "eval/study/study_file.h"
 #include "eval/target/image_bound_report.h"
@@ -22,6 +23,7 @@ struct BoundArguments {
   std::vector<std::string> over;
   std::string csv;
   int scenes = 10;
+  bool is_json = false;
   StudyOverrides overrides;
 };
 
@@ -30,7 +32,7 @@ std::string sweep_of(const std::string& over) {
   const size_t equals = over.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == over.size()) {
     throw InputError(fmt::format(
-        "--over is \"{}\", must be KEY=VALUE,VALUE,... such as poses.range_m=1000,2000", over));
+        "--over is \"{}\", must be KEY=VALUE,VALUE,... such as image.psf_sigma_px=0.5,1", over));
   }
   return fmt::format("sweep.\"{}\"=[{}]", over.substr(0, equals), over.substr(equals + 1));
 }
@@ -47,7 +49,8 @@ void print_bound(BoundArguments arguments) {
                     arguments.study));
   }
   const std::vector<ImageBoundRow> rows = image_bound_rows(study, arguments.scenes);
-  std::cout << image_bound_table(study.title, rows);
+  std::cout << (arguments.is_json ? image_bound_json(study.title, rows)
+                                  : shown(image_bound_table(study.title, rows)));
   if (arguments.csv.empty()) return;
   std::ofstream file(arguments.csv);
   file << image_bound_csv(rows);
@@ -69,12 +72,14 @@ void add_bound(CLI::App& app) {
       ->capture_default_str();
   sub->add_option("--over", arguments->over,
                   "KEY=VALUE,VALUE,...: a row for each value of a key, such as "
-                  "poses.range_m=1000,1500,2000; may be repeated")
+                  "image.psf_sigma_px=0.5,1 or, of a key that is a range, "
+                  "poses.range_m=[1000,1000],[2000,2000]; may be repeated")
       ->allow_extra_args(false);
   sub->add_option("--set", arguments->overrides.set, "key=value of the study; may be repeated")
       ->allow_extra_args(false);
   sub->add_option("--seed", arguments->overrides.seed, "Seed of all draws");
   sub->add_option("--csv", arguments->csv, "Also write the rows into this file");
+  sub->add_flag("--json", arguments->is_json, "Print JSON instead of the table");
   sub->callback([arguments] { print_bound(*arguments); });
 }
 

@@ -12,6 +12,7 @@
 #include "eval/compare/compare_text.h"
 #include "eval/compare/junit.h"
 #include "eval/output/output_folder.h"
+#include "eval/output/terminal.h"
 #include "eval/program/commands/commands.h"
 #include "eval/work/interrupt.h"
 
@@ -27,6 +28,7 @@ struct CompareArguments {
   std::vector<std::string> measures;
   std::string junit;
   std::string markdown;
+  bool is_json = false;
 };
 
 }  // namespace
@@ -52,11 +54,12 @@ void add_compare(CLI::App& app, int& exit_code) {
       ->allow_extra_args(false);
   sub->add_option("--junit", arguments->junit, "Also write JUnit XML, a test case a cell");
   sub->add_option("--markdown", arguments->markdown, "Also write all numbers as Markdown");
+  sub->add_flag("--json", arguments->is_json, "Print all numbers as JSON, instead of the tables");
   sub->callback([arguments, &exit_code] {
     remember_interrupts();
     const Comparison comparison =
         compare_runs(arguments->base, arguments->now, arguments->tolerance, arguments->measures);
-    std::cout << to_text(comparison);
+    std::cout << (arguments->is_json ? to_json(comparison) : shown(to_text(comparison)));
     if (!arguments->junit.empty()) write_file(arguments->junit, to_junit(comparison));
     if (!arguments->markdown.empty()) write_file(arguments->markdown, to_markdown(comparison));
     exit_code = comparison.has_regression() ? kRegressionExit : 0;

@@ -22,6 +22,7 @@ struct CoverageArguments {
   int repeats = 200;
   StudyOverrides overrides;
   bool is_quiet = false;
+  bool is_json = false;
 };
 
 void run_coverage(const CoverageArguments& arguments) {
@@ -36,6 +37,10 @@ void run_coverage(const CoverageArguments& arguments) {
     progress.advance(1);
   };
   const auto coverage = interval_coverage(study, options);
+  if (arguments.is_json) {
+    std::cout << coverage_json(study, arguments.repeats, coverage);
+    return;
+  }
   std::cout
       << fmt::format(
              "{}, {} runs of {} trials: how often 95 % intervals hold the number of all runs\n\n",
@@ -59,6 +64,7 @@ void add_coverage(CLI::App& app) {
   sub->add_option("--set", arguments->overrides.set, "key=value of the study; may be repeated")
       ->allow_extra_args(false);
   sub->add_flag("--quiet", arguments->is_quiet, "No progress");
+  sub->add_flag("--json", arguments->is_json, "Print JSON instead of the table");
   sub->callback([arguments] { run_coverage(*arguments); });
 }
 

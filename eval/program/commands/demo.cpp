@@ -35,10 +35,11 @@ What next?
 int run_demo(RunArguments arguments, const std::string& command) {
   remember_interrupts();
   arguments.overrides.trials = kTrials;
-  if (!arguments.is_quiet) std::cout << kBefore << std::flush;
+  const bool has_words = !arguments.is_quiet && !arguments.is_json;
+  if (has_words) std::cout << kBefore << std::flush;
   const Study study = read_study(kStudy, overrides_of(arguments));
   const int exit_code = run_command(study, arguments, results_folder("demo", arguments), command);
-  if (!arguments.is_quiet) std::cout << kAfter;
+  if (has_words) std::cout << kAfter;
   return exit_code;
 }
 

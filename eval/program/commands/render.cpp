@@ -11,6 +11,7 @@
 #include "eval/image_sets/render_set.h"
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/verify.h"
+#include "eval/output/json.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/mesh_options.h"
 #include "eval/work/interrupt.h"
@@ -34,12 +35,18 @@ struct RenderArguments {
   std::string verified;
   bool is_dry_run = false;
   bool is_quiet = false;
+  bool is_json = false;
 };
 
 int run_verify(const RenderArguments& arguments) {
   constexpr int64_t kMostLines = 50;
   int64_t lines = 0;
-  const auto tell = [&lines](const std::string& problem) {
+  Json told = Json::array();
+  const auto tell = [&](const std::string& problem) {
+    if (arguments.is_json) {
+      told.push_back(problem);
+      return;
+    }
     if (++lines <= kMostLines) std::cout << problem << "\n";
     if (lines == kMostLines + 1) std::cout << "...\n";
   };
@@ -49,6 +56,14 @@ int run_verify(const RenderArguments& arguments) {
     verdict = verify_set(arguments.verified, tell, [&](int64_t n) { progress.advance(n); });
   }
   const int64_t whole = verdict.images - verdict.missing;
+  if (arguments.is_json) {
+    const Json json = {{"set", arguments.verified},
+                       {"images", verdict.images},
+                       {"missing", verdict.missing},
+                       {"problems", std::move(told)}};
+    std::cout << json_text(json);
+    return verdict.problems == 0 ? 0 : kProblemsExit;
+  }
   std::cout << fmt::format("{} of {} images are there; {}\n", whole, verdict.images,
                            verdict.problems == 0 ? "all is as it should be"
                                                  : fmt::format("{} problem{}", verdict.problems,
@@ -56,7 +71,15 @@ int run_verify(const RenderArguments& arguments) {
   return verdict.problems == 0 ? 0 : kProblemsExit;
 }
 
-void print_result(const SetPlan& plan, const SetResult& result, const SetOptions& options) {
+void print_result(const SetPlan& plan, const SetResult& result, const SetOptions& options,
+                  bool is_json) {
+  if (is_json) {
+    const Json json = {{"set", options.out.string()},     {"images", result.images},
+                       {"images_of_the_set", plan.count}, {"resumed", result.resumed},
+                       {"failed", result.failed},         {"is_complete", result.is_complete}};
+    std::cout << json_text(json);
+    return;
+  }
   if (result.resumed > 0) {
     std::cerr << fmt::format("resumed: {} of {} images were there\n", result.resumed,
                              result.images);
@@ -89,7 +112,9 @@ int run_render(RenderArguments& arguments) {
   options.show_progress = !arguments.is_quiet;
   options.shard = chosen_shard(arguments.shard, !arguments.is_quiet);
   const SetResult result = render_set(plan, options);
-  if (!arguments.is_quiet) print_result(plan, result, options);
+  if (!arguments.is_quiet || arguments.is_json) {
+    print_result(plan, result, options, arguments.is_json);
+  }
   if (result.failed == 0) return 0;
   std::cerr << fmt::format("sightline: {} of {} scenes could not be imaged (see sightline/)\n",
                            result.failed, plan.count);
@@ -156,6 +181,7 @@ void add_render(CLI::App& app, int& exit_code) {
   sub->add_flag("--dry-run", arguments->is_dry_run,
                 "Make a few images in memory and say what the set will take");
   sub->add_flag("--quiet", arguments->is_quiet, "No progress and no summary");
+  sub->add_flag("--json", arguments->is_json, "Print the summary, or what --verify finds, as JSON");
   auto* verify = sub->add_option("--verify", arguments->verified,
                                  "Re-read the set in this folder and say what is missing, torn or "
                                  "inconsistent (exit code 1 if anything)");

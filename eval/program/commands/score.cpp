@@ -12,7 +12,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "eval/output/json.h"
 #include "eval/output/output_folder.h"
+#include "eval/output/terminal.h"
 #include "eval/program/commands/commands.h"
 #include "eval/report/gnuplot.h"
 #include "eval/score/requirements.h"
@@ -41,6 +43,7 @@ struct ScoreArguments {
   std::vector<std::string> required;
   std::string junit;
   bool is_quiet = false;
+  bool is_json = false;
 };
 
 // One method: its name, the file as it was given, and what it says.
@@ -135,8 +138,22 @@ std::string write_folder(const ScoreArguments& arguments, std::span<const Method
   return note;
 }
 
+// scores.json and, where something is required, whether it is so.
+void print_json(std::span<const MethodScores> methods,
+                std::span<const RequirementResult> requirements) {
+  Json json =
+      Json::parse(methods.size() == 1 ? scores_json(methods.front().scored) : scores_json(methods));
+  for (const RequirementResult& result : requirements) {
+    json["requirements"].push_back({{"method", result.method},
+                                    {"requirement", result.requirement.text},
+                                    {"value", result.value},
+                                    {"is_met", result.is_met}});
+  }
+  std::cout << json_text(json);
+}
+
 void print_scores(const ScoreArguments& arguments, std::span<const MethodScores> methods) {
-  std::cout << score_table(methods) << "\n";
+  std::cout << shown(score_table(methods)) << "\n";
   for (const MethodScores& method : methods) {
     const fs::path folder =
         methods.size() == 1 ? fs::path(arguments.out) : fs::path(arguments.out) / method.name;
@@ -168,11 +185,16 @@ int run_score(const ScoreArguments& arguments) {
   if (!arguments.junit.empty()) write_file(arguments.junit, to_junit(results, arguments.dataset));
   print_notes(set.dataset, methods);
   if (!figures_note.empty()) std::cerr << "sightline: " << figures_note << "\n";
-  if (!arguments.is_quiet) print_scores(arguments, scored);
+  if (arguments.is_json) {
+    print_json(scored, results);
+  } else if (!arguments.is_quiet) {
+    print_scores(arguments, scored);
+  }
   int exit_code = 0;
   for (const RequirementResult& result : results) {
     if (!result.is_met) exit_code = kRequirementExit;
-    if (!result.is_met || !arguments.is_quiet) std::cout << to_text(result) << "\n";
+    if (arguments.is_json || (result.is_met && arguments.is_quiet)) continue;
+    std::cout << shown(to_text(result)) << "\n";
   }
   return exit_code;
 }
@@ -211,6 +233,9 @@ void add_score(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(1e-6, 1e9))
       ->capture_default_str();
   sub->add_flag("--quiet", arguments->is_quiet, "No progress and no table");
+  sub->add_flag("--json", arguments->is_json,
+                "Print what scores.json holds, and whether what is required is so, instead of the "
+                "tables");
   sub->callback([arguments, &exit_code] { exit_code = run_score(*arguments); });
 }
 

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "eval/output/terminal.h"
 #include "eval/program/commands/commands.h"
 #include "eval/solve/answers.h"
 #include "eval/solve/camera_file.h"
@@ -106,10 +107,10 @@ int run_solve(const SolveArguments& arguments) {
     const std::vector<int> removed = is_ok ? estimate.removed : std::vector<int>{};
     const PoseMinima minima = solve_all(problem, removed);
     std::cout << (arguments.is_json ? json_of(problem, minima, removed)
-                                    : text_of(problem, minima, removed));
+                                    : shown(text_of(problem, minima, removed)));
     return minima.status == PoseStatus::kOk ? 0 : kNoAnswerExit;
   }
-  std::cout << (arguments.is_json ? json_of(problem, estimate) : text_of(problem, estimate));
+  std::cout << (arguments.is_json ? json_of(problem, estimate) : shown(text_of(problem, estimate)));
   return estimate.status == PoseStatus::kOk ? 0 : kNoAnswerExit;
 }
 
@@ -140,7 +141,7 @@ int run_align(const AlignArguments& arguments) {
     if (row.size() == 7) weights.push_back(row[6]);
   }
   const RobustAlignment alignment = method->align({in_a, in_b, weights}, arguments.options);
-  std::cout << (arguments.is_json ? json_of(alignment) : text_of(alignment));
+  std::cout << (arguments.is_json ? json_of(alignment) : shown(text_of(alignment)));
   return alignment.status == OrientationStatus::kOk ? 0 : kNoAnswerExit;
 }
 

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "eval/output/terminal.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/mesh_options.h"
 #include "eval/program/run_command.h"
@@ -39,7 +40,7 @@ int plan_command(const StudyArguments& arguments) {
   const PrivateFolder folder;
   options.out = folder.path() / "pilot";
   const Summary summary = run_pilot(study, options);
-  std::cout << plan_table(study, summary, arguments.planned_width);
+  std::cout << shown(plan_table(study, summary, arguments.planned_width));
   return 0;
 }
 

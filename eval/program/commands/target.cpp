@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "eval/output/terminal.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/mesh_options.h"
 #include "eval/review/target_review.h"
@@ -20,14 +21,19 @@ namespace {
 struct TargetChanges {
   TargetEdits edits;
   std::string review;  // the page to write; none if empty
+  bool is_json = false;
 };
 
 void run_target(const TargetArguments& arguments, const TargetChanges& changes) {
+  if (changes.is_json) {
+    std::cout << target_json(arguments.target, arguments.mesh);
+    return;
+  }
   std::string told;
   const bool is_proposal = arguments.propose.has_value();
   if (!is_proposal && !changes.edits.empty()) told = edit_target(arguments.target, changes.edits);
   const TargetReport report = report_target(arguments);
-  std::cout << report.text;
+  std::cout << shown(report.text);
   const std::string file = is_proposal ? report.proposed.string() : arguments.target;
   if (is_proposal && !changes.edits.empty()) told = edit_target(file, changes.edits);
   if (!told.empty()) std::cout << '\n' << told;
@@ -45,7 +51,8 @@ void add_target(CLI::App& app) {
   sub->add_option("target", arguments->target, "Name of a target, a target.toml or a mesh file")
       ->required();
   add_mesh_options(*sub, arguments->mesh);
-  sub->add_option("--picture", arguments->picture, "Also draw it into this .png");
+  CLI::Option* picture =
+      sub->add_option("--picture", arguments->picture, "Also draw it into this .png");
   sub->add_option("--theta", arguments->theta_deg,
                   "Pitch, yaw and roll of the picture in degrees, comma-separated; 0,0,0 is the "
                   "target's z axis away from the camera (a shipped target's plan view)")
@@ -69,15 +76,22 @@ void add_target(CLI::App& app) {
       sub->add_option("--out", arguments->coarser, "The .glb of --decimate")->needs(decimate);
   decimate->needs(out);
   auto changes = std::make_shared<TargetChanges>();
-  sub->add_option("--drop", changes->edits.dropped,
-                  "Take features of these names out of the target.toml, or the proposal")
-      ->expected(1, 1000);
-  sub->add_option("--add", changes->edits.added,
-                  "Add a contour feature at x,y,z or x,y,z,NAME to it (metres, the target's frame)")
-      ->expected(1, 1000);
-  sub->add_option("--review", changes->review,
-                  "Write a page to judge the features by into this .html: pictures from six sides, "
-                  "from where each is to be seen, how well it is found");
+  CLI::Option* drop =
+      sub->add_option("--drop", changes->edits.dropped,
+                      "Take features of these names out of the target.toml, or the proposal")
+          ->expected(1, 1000);
+  CLI::Option* add =
+      sub->add_option(
+             "--add", changes->edits.added,
+             "Add a contour feature at x,y,z or x,y,z,NAME to it (metres, the target's frame)")
+          ->expected(1, 1000);
+  CLI::Option* review = sub->add_option(
+      "--review", changes->review,
+      "Write a page to judge the features by into this .html: pictures from six sides, "
+      "from where each is to be seen, how well it is found");
+  CLI::Option* json = sub->add_flag("--json", changes->is_json, "Print JSON instead of the tables");
+  for (CLI::Option* writes : {picture, propose, decimate, drop, add, review})
+    json->excludes(writes);
   sub->callback([arguments, changes] { run_target(*arguments, *changes); });
 }
 

@@ -122,6 +122,35 @@ TEST(Documents, TheTutorialsCommandsRunAsTheyStand) {
   EXPECT_THAT(read_whole(folder.path() / "observations/study.toml"), HasSubstr("net"));
 }
 
+// `./dev docs --check` on a page whose every piece is true, and on one whose every piece is not.
+TEST(Documents, AreCheckedByAScriptThatFindsWhatIsUntrue) {
+  const TemporaryFolder folder;
+  const auto check = [&](const std::string& page, const std::string& text) {
+    folder.write(page, text);
+    return run_shell(fmt::format(
+        "/usr/bin/python3 '{0}/tests/docs/check_pages.py' '{1}' '{2}/run' '{2}/{3}' 2>&1",
+        SIGHTLINE_SOURCE_DIR, SIGHTLINE_PROGRAM, folder.path().string(), page));
+  };
+  const std::string figures = "| a | b | c |\n|---|---|---|\n| x | 1 | 2 |\n| y | 3 | 4 |\n";
+  const Outcome good = check("good.md",
+                             "# A page\n[here](#a-page)\n<!-- exit code 1 -->\n"
+                             "```\nsightline list nothing\n```\n"
+                             "<!-- printed by: sightline list methods -->\n```\nmethods\n...\n```\n"
+                             "`sightline list keys noise` has `noise.scale`.\n"
+                             "<!-- not run: none are measured -->\n" +
+                                 figures);
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_THAT(good.output, HasSubstr("3 commands run, 0 failures"));
+  const Outcome bad = check("bad.md",
+                            "# A page\n[here](#no-page) [there](nowhere.md)\n"
+                            "```\nsightline list nothing\n```\n"
+                            "<!-- printed by: sightline list methods -->\n```\nsolvers\n```\n"
+                            "`sightline list keys nois` has `noise.scales`.\n\n" +
+                                figures);
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_THAT(bad.output, HasSubstr("3 commands run, 7 failures")) << bad.output;
+}
+
 TEST(Documents, NameNoCommandAndNoOptionThatIsNotThere) {
   std::map<std::string, std::set<std::string>> options;
   int seen = 0;

@@ -49,6 +49,13 @@ TEST(KeyLists, MistakesGetOneClearLine) {
   EXPECT_EQ(run("list keys image --markdown").exit_code, 1);
 }
 
+TEST(KeyLists, TheColumnsAreAPageToo) {
+  const fs::path page = fs::path(SIGHTLINE_SOURCE_DIR) / "docs/columns.md";
+  EXPECT_EQ(run("list columns --markdown").output, read_whole(page));
+  EXPECT_NE(run("list columns").output, read_whole(page));
+  EXPECT_EQ(run("list columns noise").exit_code, 1);
+}
+
 TEST(KeyLists, TheKeysOfAStudySayWhatTheyMean) {
   for (const KeyText& key : study_keys()) {
     EXPECT_NE(key.meaning, "") << key.name;

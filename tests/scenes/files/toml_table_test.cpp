@@ -33,8 +33,8 @@ TEST(TomlTable, ReadsWhatIsThere) {
 }
 
 TEST(TomlTable, ListsItsValuesByThePathsThatOverridesHave) {
-  const TomlTable table = parse("a = 2\n[d]\ne = [0.15, 1]\n[[f]]\ng = 'x'\n[[f]]\ng = 'y'\n",
-                                {"f.1.g=z", "d.h=true"});
+  const TomlTable table =
+      parse("a = 2\n[d]\ne = [0.15, 1]\n[[f]]\ng = 'x'\n[[f]]\ng = 'y'\n", {"f.1.g=z", "d.h=true"});
   const std::map<std::string, std::string> expected = {
       {"a", "2"}, {"d.e", "[ 0.15, 1 ]"}, {"d.h", "true"}, {"f.0.g", "'x'"}, {"f.1.g", "'z'"}};
   EXPECT_EQ(table.values(), expected);
@@ -97,6 +97,20 @@ TEST(TomlTable, OverridesReplaceAndAdd) {
   EXPECT_EQ(table.table("b").integer("c"), 6);
   EXPECT_EQ(table.table("b").text("d"), "word");
   EXPECT_EQ(table.table("e").numbers("f", 2), (std::vector<double>{1, 2}));
+}
+
+TEST(TomlTable, OverridesTakeAKeyWithDotsInQuotes) {
+  const std::vector<std::string> quotes = {"sweep.\"poses.range_m\"=[1, 2]",
+                                           "sweep.'poses.range_m'=[1, 2]"};
+  for (const std::string& setting : quotes) {
+    const TomlTable table = parse("", {setting});
+    EXPECT_EQ(table.table("sweep").keys(), std::vector<std::string>{"poses.range_m"}) << setting;
+  }
+  // Without quotes it is a table in a table, and quotes that nobody closes are letters.
+  EXPECT_EQ(parse("", {"sweep.poses.range_m=1"}).table("sweep").keys(),
+            std::vector<std::string>{"poses"});
+  EXPECT_EQ(parse("", {"sweep.\"poses=1"}).table("sweep").keys(),
+            std::vector<std::string>{"\"poses"});
 }
 
 TEST(TomlTable, RejectsOverridesThatMakeNoSense) {
