@@ -64,7 +64,8 @@ ColourResolver::ColourResolver(const std::vector<PlacedBody>& bodies, const Scen
       layer_(groups_.size()) {
   EnvironmentLight* panorama = memory.environment_of(scene);
   for (size_t b = 0; b < bodies.size(); ++b) {
-    shaders_.emplace_back(bodies[b], scene, panorama, shadow_on(bodies, b, scene), memory.textures);
+    shaders_.emplace_back(bodies[b], scene, panorama, shadow_on(bodies, b, scene),
+                          memory.skies.of(scene, bodies, b), memory.textures);
   }
   memory.planes.clear();
   memory.plane_index.assign(bodies.back().first_id + bodies.back().mesh->triangles.size(), 0);
@@ -159,13 +160,14 @@ float ColourResolver::anchor(const Group& group, const SurfacePlane& plane, cons
 
 // The light of each of the group's samples, into of_base_ and own_.
 void ColourResolver::light_samples(const Group& group, const ColourShader& shader,
-                                   const SurfacePlane& plane, int triangle, float level) {
+                                   const SurfacePlane& plane, int triangle, float level,
+                                   float sky) {
   if (shader.paint(triangle).is_painted) uv_of(painted_, u_.data(), v_.data());
   for (int i = 0; i < group.count; ++i) {
     const int sample = order_[static_cast<size_t>(group.begin + i)];
     const Eigen::Vector2f uv(u_[static_cast<size_t>(i)], v_[static_cast<size_t>(i)]);
     const SurfaceHit hit = shader.hit(plane, triangle, ray_of(sample));
-    const ColourLight light = shader.light_at(hit, uv, level, sample);
+    const ColourLight light = shader.light_at(hit, uv, level, sample, sky);
     Eigen::Map<Eigen::Array4f>(of_base_.data() + 4 * i) = light.of_base;
     Eigen::Map<Eigen::Array4f>(own_.data() + 4 * i) = light.own;
   }
@@ -203,11 +205,13 @@ ColourResolver::Lit ColourResolver::light_group(const Group& group) {
   const SurfacePlane& plane = plane_of(group.id, shader, triangle);
   const float level = paint.is_painted ? anchor(group, plane, paint) : 0;
   const bool has_detail = shader.has_detail();
+  const Eigen::Vector3d ray = ray_of(order_[static_cast<size_t>(group.begin)]);
+  const SurfaceHit hit = shader.hit(plane, triangle, ray);
+  const float sky = shader.sky_share(hit);
   if (has_detail) {
-    light_samples(group, shader, plane, triangle, level);
+    light_samples(group, shader, plane, triangle, level, sky);
   } else {
-    const Eigen::Vector3d ray = ray_of(order_[static_cast<size_t>(group.begin)]);
-    const ColourLight light = shader.light_at(shader.hit(plane, triangle, ray), uv_, level, 0);
+    const ColourLight light = shader.light_at(hit, uv_, level, 0, sky);
     Eigen::Map<Eigen::Array4f>(of_base_.data()) = light.of_base;
     Eigen::Map<Eigen::Array4f>(own_.data()) = light.own;
   }

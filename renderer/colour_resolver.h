@@ -10,6 +10,7 @@
 
 #include "renderer/colour_shading.h"
 #include "renderer/environment.h"
+#include "renderer/open_sky.h"
 #include "renderer/sample_pattern.h"
 #include "renderer/screen.h"
 #include "renderer/shading.h"
@@ -17,9 +18,10 @@
 
 namespace sightline {
 
-/// What a renderer keeps between pictures in colour: textures, and memory.
+/// What a renderer keeps between pictures: textures, skies, and memory.
 struct ColourMemory {
   TextureCache textures;
+  SkyMemory skies;
   std::unique_ptr<EnvironmentLight> environment;  ///< of the last scene that had one
 
   /// That of the scene, made where it is another than the last; none where the scene has none.
@@ -76,7 +78,7 @@ class ColourResolver {
   Eigen::Array4f flat_light(int light) const;
   float anchor(const Group& group, const SurfacePlane& plane, const Paint& paint);
   void light_samples(const Group& group, const ColourShader& shader, const SurfacePlane& plane,
-                     int triangle, float level);
+                     int triangle, float level, float sky);
 
   const std::vector<PlacedBody>& bodies_;
   const Camera& camera_;

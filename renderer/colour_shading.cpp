@@ -102,7 +102,8 @@ Material grey_material(double albedo) {
 }  // namespace
 
 ColourShader::ColourShader(const PlacedBody& body, const Scene& scene, EnvironmentLight* panorama,
-                           std::unique_ptr<const Shadow> shadow, TextureCache& textures)
+                           std::unique_ptr<const Shadow> shadow, std::shared_ptr<const OpenSky> sky,
+                           TextureCache& textures)
     : hits_(body),
       light_(scene.light),
       surroundings_(surroundings_of(body, scene, panorama)),
@@ -113,7 +114,8 @@ ColourShader::ColourShader(const PlacedBody& body, const Scene& scene, Environme
       colour_(factors_of(light_.colour, is_grey_)),
       second_colour_(factors_of(light_.second_colour, is_grey_)),
       body_from_cam_(body.cam_from_body.rotation.transpose()),
-      shadow_(std::move(shadow)) {
+      shadow_(std::move(shadow)),
+      sky_(std::move(sky)) {
   paints_.reserve(body.mesh->parts.size());
   for (const Part& part : body.mesh->parts) {
     paints_.push_back(paint_of(part, scene.colouring.draws_textures, textures));
@@ -233,7 +235,15 @@ double ColourShader::lit_share(const SurfaceHit& hit, int sample) const {
   if (shadow_ == nullptr) return 1;
   const Mesh& mesh = *hits_.body().mesh;
   return shadow_->lit_share(in_body(hit), winding_normal(mesh, mesh.triangles[hit.triangle]),
-                            sample);
+                            hit.triangle, sample);
+}
+
+float ColourShader::sky_share(const SurfaceHit& hit) const {
+  if (sky_ == nullptr) return 1;
+  const Mesh& mesh = *hits_.body().mesh;
+  const Triangle& triangle = mesh.triangles[hit.triangle];
+  return static_cast<float>(
+      sky_->share(in_body(hit), facing_normal(mesh, triangle, hit.is_front), mesh_normal(hit)));
 }
 
 // The normal that a normal texture makes of the surface's own. Its axes are the triangle's: where u
@@ -263,8 +273,7 @@ Eigen::Vector3d ColourShader::tilted(const Paint& paint, int triangle,
   return (scale * (t[0] * right + t[1] * up) + t[2] * normal).stableNormalized();
 }
 
-Eigen::Vector3d ColourShader::normal_at(const SurfaceHit& hit, const Paint& paint,
-                                        const Eigen::Vector2f& uv, float level) const {
+Eigen::Vector3d ColourShader::mesh_normal(const SurfaceHit& hit) const {
   const auto& corners = hits_.body().mesh->triangles[hit.triangle].normal;
   Eigen::Vector3d normal =
       hit.weights[0] * corners[0] + hit.weights[1] * corners[1] + hit.weights[2] * corners[2];
@@ -272,6 +281,12 @@ Eigen::Vector3d ColourShader::normal_at(const SurfaceHit& hit, const Paint& pain
   if (!hit.is_front) normal = -normal;
   const double length = normal.norm();
   if (length > 0) normal /= length;
+  return normal;
+}
+
+Eigen::Vector3d ColourShader::normal_at(const SurfaceHit& hit, const Paint& paint,
+                                        const Eigen::Vector2f& uv, float level) const {
+  const Eigen::Vector3d normal = mesh_normal(hit);
   return paint.normal == nullptr ? normal : tilted(paint, hit.triangle, normal, uv, level);
 }
 
@@ -335,7 +350,7 @@ void ColourShader::add_lamps(const SurfaceHit& hit, const Paint& paint, const Gl
 }
 
 ColourLight ColourShader::light_at(const SurfaceHit& hit, const Eigen::Vector2f& uv, float level,
-                                   int sample) const {
+                                   int sample, float sky) const {
   const Paint& paint = this->paint(hit.triangle);
   if (paint.material.is_unlit && !is_grey_) return {.of_base = Eigen::Array4f::Ones()};
   const Eigen::Vector3d normal = normal_at(hit, paint, uv, level);
@@ -347,6 +362,8 @@ ColourLight ColourShader::light_at(const SurfaceHit& hit, const Eigen::Vector2f&
   light.add(of_glow(paint, gloss, light_.ambient, facing_eye(normal, to_eye)),
             Eigen::Array4f::Ones());
   if (surroundings_.light != nullptr) add_surroundings(paint, gloss, normal, to_eye, light);
+  light.of_base *= sky;
+  light.own *= sky;
   if (light_.second > 0) {
     light.add(of_distant(paint, gloss, light_.second, to_second_, normal, to_eye), second_colour_);
   }

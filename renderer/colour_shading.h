@@ -79,18 +79,23 @@ struct Surroundings {
 /// [light] are those of the dull.
 class ColourShader {
  public:
-  /// `panorama` must outlive it; none where the scene has no environment.
+  /// `panorama` must outlive it; none where the scene has no environment. Shadow and sky as in
+  /// Shader.
   ColourShader(const PlacedBody& body, const Scene& scene, EnvironmentLight* panorama,
-               std::unique_ptr<const Shadow> shadow, TextureCache& textures);
+               std::unique_ptr<const Shadow> shadow, std::shared_ptr<const OpenSky> sky,
+               TextureCache& textures);
 
   SurfacePlane plane_of(int triangle) const;
   /// `ray` is (x/z, y/z, 1) in the camera; one that misses is moved into the triangle.
   SurfaceHit hit(const SurfacePlane& plane, int triangle, const Eigen::Vector3d& ray) const;
 
   /// The light where a ray hits. `uv` and `level` are where textures of the part are looked up that
-  /// say how it is reflected; `sample` is the one of its pixel that the light is for.
-  ColourLight light_at(const SurfaceHit& hit, const Eigen::Vector2f& uv, float level,
-                       int sample) const;
+  /// say how it is reflected; `sample` is the one of its pixel that the light is for, `sky` the
+  /// share of glow and panorama that comes there.
+  ColourLight light_at(const SurfaceHit& hit, const Eigen::Vector2f& uv, float level, int sample,
+                       float sky) const;
+  /// That share, by the mesh's own normals.
+  float sky_share(const SurfaceHit& hit) const;
 
   /// Some part of it shows what is behind.
   bool is_see_through() const;
@@ -102,6 +107,7 @@ class ColourShader {
   int part_of(int triangle) const { return hits_.body().mesh->triangles[triangle].part; }
   Paint paint_of(const Part& part, bool draws_textures, TextureCache& textures) const;
   void find_colours();
+  Eigen::Vector3d mesh_normal(const SurfaceHit& hit) const;
   Eigen::Vector3d normal_at(const SurfaceHit& hit, const Paint& paint, const Eigen::Vector2f& uv,
                             float level) const;
   Eigen::Vector3d tilted(const Paint& paint, int triangle, const Eigen::Vector3d& normal,
@@ -129,6 +135,7 @@ class ColourShader {
   Eigen::Array4f colour_, second_colour_;  // white where the scene is grey
   Eigen::Matrix3d body_from_cam_;
   std::unique_ptr<const Shadow> shadow_;
+  std::shared_ptr<const OpenSky> sky_;
   std::vector<Paint> paints_;  // a part each
 };
 

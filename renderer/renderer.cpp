@@ -48,10 +48,12 @@ Pose pose_at(const Scene& scene, double time) {
           scene.cam_from_target.translation + time * scene.motion.translation_m};
 }
 
-std::vector<Shader> shaders_of(const std::vector<PlacedBody>& bodies, const Scene& scene) {
+std::vector<Shader> shaders_of(const std::vector<PlacedBody>& bodies, const Scene& scene,
+                               SkyMemory& skies) {
   std::vector<Shader> shaders;
   for (size_t b = 0; b < bodies.size(); ++b) {
-    shaders.emplace_back(bodies[b], scene.light, shadow_on(bodies, b, scene));
+    shaders.emplace_back(bodies[b], scene.light, shadow_on(bodies, b, scene),
+                         skies.of(scene, bodies, b));
   }
   return shaders;
 }
@@ -80,12 +82,12 @@ cv::Mat to_grey(const cv::Mat& blue_green_red) {
 class Resolver {
  public:
   Resolver(const std::vector<PlacedBody>& bodies, const Scene& scene, const Screen& screen,
-           const SamplePattern& pattern)
+           const SamplePattern& pattern, SkyMemory& skies)
       : bodies_(bodies),
         camera_(scene.camera),
         screen_(screen),
         pattern_(pattern),
-        shaders_(shaders_of(bodies, scene)) {}
+        shaders_(shaders_of(bodies, scene, skies)) {}
 
   // The mean of one pixel's samples; where they see nothing it is `background`.
   float mean(int x, int y, const uint32_t* ids, float background) {
@@ -105,7 +107,7 @@ class Resolver {
       const auto end = seen_.begin() + known;
       auto entry = std::find_if(seen_.begin(), end, [id](const Seen& s) { return s.id == id; });
       if (entry == end || entry->has_detail) {
-        *end = shade(id, k);
+        *end = shade(id, k, entry == end ? nullptr : &*entry);
         entry = end;
         ++known;
       } else if (entry + 1 != end) {
@@ -122,6 +124,7 @@ class Resolver {
     uint32_t id = 0;
     bool has_detail = false;
     double grey = 0;
+    double sky = 1;  // that of the first sample that sees it: it changes slowly
   };
 
   void enter_pixel(int x, int y) {
@@ -132,13 +135,15 @@ class Resolver {
     per_pixel_ = per_pixel_ * lens_jacobian(camera_, centre_).inverse();
   }
 
-  Seen shade(uint32_t id, int sample) const {
+  // `before` is the same surface as an earlier sample sees it.
+  Seen shade(uint32_t id, int sample, const Seen* before) const {
     const size_t b = body_of(bodies_, id);
     const Shader& shader = shaders_[b];
     const Eigen::Vector2d offset(pattern_.x[sample], pattern_.y[sample]);
     const SurfacePoint point =
         shader.hits().on(static_cast<int>(id - bodies_[b].first_id), centre_ + per_pixel_ * offset);
-    return {id, shader.has_detail(), std::min(1.0, shader.grey(point, sample))};
+    const double sky = before != nullptr ? before->sky : shader.sky_share(point);
+    return {id, shader.has_detail(), std::min(1.0, shader.grey(point, sample, sky)), sky};
   }
 
   const std::vector<PlacedBody>& bodies_;
@@ -182,7 +187,7 @@ struct Renderer::Impl {
     painter->start(triangles, touched_box(triangles, screen.canvas()), pattern);
     times.draw_ms += watch.lap();
     if (image.channels() == 1) {
-      Resolver resolver(bodies, scene, screen, pattern);
+      Resolver resolver(bodies, scene, screen, pattern, colours.skies);
       resolve<float>(resolver, pattern, watch, image);
     } else {
       ColourResolver resolver(bodies, scene, screen, pattern, colours);

@@ -9,6 +9,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "scenes/mesh/textures.h"
 #include "scenes/picture/picture_file.h"
 
 namespace sightline {
@@ -50,8 +51,7 @@ void quantise(const float* light, Pixel* to, int count, double gain, int bits) {
 // Linear light as IEC 61966-2-1 encodes it, gain applied.
 void encode_srgb(const float* light, float* to, int count, double gain) {
   for (int u = 0; u < count; ++u) {
-    const double x = std::clamp(gain * light[u], 0.0, 1.0);
-    to[u] = static_cast<float>(x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
+    to[u] = static_cast<float>(srgb_from_linear(std::clamp(gain * light[u], 0.0, 1.0)));
   }
 }
 

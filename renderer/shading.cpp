@@ -4,46 +4,34 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <Eigen/Geometry>
-
-#include "pose/angles.h"
 
 namespace sightline {
 namespace {
 
-// Of a disc's points each shadow may have texels so much larger: their roundings average out.
+// Of a disc the shadow maps may have texels so much larger: the roundings of a wide one's average
+// out, and rays find the outlines of a narrow one.
 constexpr double kDiscTexels = 4;
-
-// Rows: two axes across the light's rays, then the direction to the light.
-Eigen::Matrix3d light_axes(const Eigen::Vector3d& to_light) {
-  Eigen::Matrix3d axes;
-  const Eigen::Vector3d across = to_light.unitOrthogonal();
-  axes << across.transpose(), to_light.cross(across).transpose(), to_light.transpose();
-  return axes;
-}
-
-// Directions to points of the light's disc, which stand for equal parts of it.
-std::vector<Eigen::Vector3d> points_of_disc(const Light& light, int count) {
-  constexpr double kGoldenAngle = 2.39996322972865332;
-  const Eigen::Matrix3d axes = light_axes(light.to_light_in_cam);
-  const double rim = std::tan(light.radius_deg * kDegree);
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < count; ++i) {
-    const double radius = rim * std::sqrt((i + 0.5) / count);
-    const Eigen::Vector3d across(radius * std::cos(i * kGoldenAngle),
-                                 radius * std::sin(i * kGoldenAngle), 1);
-    points.push_back((axes.transpose() * across).normalized());
-  }
-  return points;
-}
 
 }  // namespace
 
 Eigen::Vector3d winding_normal(const Mesh& mesh, const Triangle& triangle) {
   const Eigen::Vector3d& a = mesh.vertices[triangle.vertex[0]];
   return (mesh.vertices[triangle.vertex[1]] - a).cross(mesh.vertices[triangle.vertex[2]] - a);
+}
+
+Eigen::Vector3d facing_normal(const Mesh& mesh, const Triangle& triangle, bool is_front) {
+  const Eigen::Vector3d normal = winding_normal(mesh, triangle);
+  return is_front ? normal : Eigen::Vector3d(-normal);
+}
+
+Eigen::Vector3d lit_normal(const Mesh& mesh, const SurfacePoint& point) {
+  const auto& corners = mesh.triangles[point.triangle].normal;
+  const Eigen::Vector3d normal =
+      point.weights[0] * corners[0] + point.weights[1] * corners[1] + point.weights[2] * corners[2];
+  // A back face is the inside of an open mesh: it is lit as a sheet of paper is.
+  return point.is_front ? normal : Eigen::Vector3d(-normal);
 }
 
 RayHits::RayHits(const PlacedBody& body)
@@ -83,112 +71,82 @@ Eigen::Vector3d RayHits::in_body(const SurfacePoint& point) const {
          point.weights[2] * mesh.vertices[corner[2]];
 }
 
-ShadowMap::ShadowMap(const std::vector<PlacedBody>& bodies, size_t receiver,
-                     const Eigen::Vector3d& to_light_in_cam, double texel_m, int max_texels) {
-  const Eigen::Matrix3d light_from_cam = light_axes(to_light_in_cam);
-  const PlacedBody& body = bodies[receiver];
-  light_from_body_ = light_from_cam * body.cam_from_body.rotation;
-  Eigen::AlignedBox3d extent;
-  for (const Eigen::Vector3d& vertex : body.mesh->vertices)
-    extent.extend(light_from_body_ * vertex);
-  const double size_m = extent.sizes().head<2>().maxCoeff();
-  texel_m_ = std::max(texel_m, size_m / (max_texels - 2));
-  if (!(texel_m_ > 0)) texel_m_ = 1;
-  side_ = std::min(static_cast<int>(std::ceil(size_m / texel_m_)) + 2, max_texels);
-  origin_ = extent.min();
-  // Depths are written in single precision.
-  double depth_m = extent.sizes().z();
-  const PixelBox box{0, 0, side_, side_};
-  std::vector<ScreenTriangle> triangles;
-  for (const PlacedBody& caster : bodies) {
-    const Eigen::Matrix3d turn = light_from_cam * caster.cam_from_body.rotation;
-    const Eigen::Vector3d shift =
-        light_from_cam * (caster.cam_from_body.translation - body.cam_from_body.translation) -
-        origin_;
-    std::vector<ScreenPoint> points;
-    for (const Eigen::Vector3d& vertex : caster.mesh->vertices) {
-      const Eigen::Vector3d x = turn * vertex + shift;
-      points.push_back({x.x() / texel_m_, x.y() / texel_m_, x.z()});
-      depth_m = std::max(depth_m, std::abs(x.z()));
-    }
-    for (const Triangle& triangle : caster.mesh->triangles) {
-      const auto [a, b, c] = triangle.vertex;
-      triangles.push_back({{points[a], points[b], points[c]}, 1});
-    }
-  }
-  tolerance_m_ = 4 * std::numeric_limits<float>::epsilon() * depth_m + 1e-5 * size_m;
-  nearest_.assign(static_cast<size_t>(side_) * side_, -std::numeric_limits<float>::max());
-  VisibleStrip strip;
-  const std::unique_ptr<SamplePainter> painter = make_own_painter();
-  painter->start(triangles, box, sample_pattern(1));
-  while (painter->next(strip)) {
-    const size_t first = static_cast<size_t>(strip.box.top) * side_;
-    const size_t count = static_cast<size_t>(strip.box.height()) * side_;
-    for (size_t i = 0; i < count; ++i) {
-      if (strip.is_touched[i]) nearest_[first + i] = strip.nearness[i];
-    }
-  }
-}
-
-bool ShadowMap::is_lit(const Eigen::Vector3d& x, const Eigen::Vector3d& normal) const {
-  const Eigen::Vector3d at = light_from_body_ * x - origin_;
-  const int column = static_cast<int>(std::lround(at.x() / texel_m_));
-  const int row = static_cast<int>(std::lround(at.y() / texel_m_));
-  if (column < 0 || row < 0 || column >= side_ || row >= side_) return true;
-  const Eigen::Vector3d n = light_from_body_ * normal;
-  // Edge-on to the light a plane has no depth at the texel's centre, and takes no light.
-  if (n.z() == 0) return true;
-  const double plane_m =
-      at.z() - (n.x() * (column * texel_m_ - at.x()) + n.y() * (row * texel_m_ - at.y())) / n.z();
-  return nearest_[static_cast<size_t>(row) * side_ + column] <= plane_m + tolerance_m_;
-}
-
 Shadow::Shadow(const std::vector<PlacedBody>& bodies, size_t receiver, const Light& light,
                double texel_m, int samples_per_pixel)
     : samples_(samples_per_pixel) {
-  if (!(light.radius_deg > 0)) {
-    maps_.emplace_back(bodies, receiver, light.to_light_in_cam, texel_m, kMaxTexels);
+  const bool has_disc = light.radius_deg > 0;
+  const Eigen::Vector3d& to_middle = light.to_light_in_cam;
+  const bool is_narrow =
+      has_disc && DiscShadow::is_narrow(bodies, receiver, to_middle, light.radius_deg);
+  if (!has_disc) {
+    maps_.emplace_back(bodies, receiver, to_middle, texel_m, kMaxTexels);
     return;
   }
-  for (const Eigen::Vector3d& to_point : points_of_disc(light, kDiscPoints)) {
+  points_ = kDiscPoints;
+  const std::vector<Eigen::Vector3d> points =
+      points_of_disc(to_middle, light.radius_deg, kDiscPoints);
+  if (is_narrow) {
+    maps_.emplace_back(bodies, receiver, to_middle, kDiscTexels * texel_m, kMaxDiscTexels);
+    disc_.emplace(bodies, receiver, to_middle, light.radius_deg, maps_.front(), points);
+    return;
+  }
+  for (const Eigen::Vector3d& to_point : points) {
     maps_.emplace_back(bodies, receiver, to_point, kDiscTexels * texel_m, kMaxDiscTexels);
   }
 }
 
-double Shadow::lit_share(const Eigen::Vector3d& x, const Eigen::Vector3d& normal,
+bool Shadow::is_lit(const Eigen::Vector3d& x, const Eigen::Vector3d& normal, int triangle,
+                    int point) const {
+  return disc_ ? disc_->is_lit(x, triangle, point)
+               : maps_[static_cast<size_t>(point)].is_lit(x, normal);
+}
+
+double Shadow::lit_share(const Eigen::Vector3d& x, const Eigen::Vector3d& normal, int triangle,
                          int sample) const {
-  if (maps_.size() == 1) return maps_.front().is_lit(x, normal) ? 1 : 0;
-  const int points = static_cast<int>(maps_.size());
+  if (points_ == 1) return maps_.front().is_lit(x, normal) ? 1 : 0;
+  if (disc_ && !disc_->may_be_soft(x)) {
+    // A map as coarse as this takes the foot of something steep for a shadow.
+    constexpr double kFootTexels = 8;
+    const ShadowMap& map = maps_.front();
+    if (map.is_lit(x, normal)) return 1;
+    if (map.height_over_m(x) > kFootTexels * map.texel_m()) return 0;
+  }
   int lit = 0, asked = 0;
-  for (int i = sample % points; asked == 0 || i < points; i += samples_, ++asked) {
-    if (maps_[static_cast<size_t>(i)].is_lit(x, normal)) ++lit;
+  for (int i = sample % points_; asked == 0 || i < points_; i += samples_, ++asked) {
+    if (is_lit(x, normal, triangle, i)) ++lit;
   }
   return static_cast<double>(lit) / asked;
 }
 
-Shader::Shader(const PlacedBody& body, const Light& light, std::unique_ptr<const Shadow> shadow)
+Shader::Shader(const PlacedBody& body, const Light& light, std::unique_ptr<const Shadow> shadow,
+               std::shared_ptr<const OpenSky> sky)
     : hits_(body),
       light_(light),
       to_light_(body.cam_from_body.rotation.transpose() * light.to_light_in_cam),
       to_second_(body.cam_from_body.rotation.transpose() * light.to_second_in_cam),
-      shadow_(std::move(shadow)) {}
+      shadow_(std::move(shadow)),
+      sky_(std::move(sky)) {}
 
 bool Shader::has_detail() const {
   return shadow_ != nullptr || light_.specular > 0 || hits_.body().stripe_contrast > 0;
 }
 
-double Shader::grey(const SurfacePoint& point, int sample) const {
+double Shader::sky_share(const SurfacePoint& point) const {
+  if (sky_ == nullptr) return 1;
+  const Mesh& mesh = *hits_.body().mesh;
+  const Triangle& triangle = mesh.triangles[point.triangle];
+  return sky_->share(hits_.in_body(point), facing_normal(mesh, triangle, point.is_front),
+                     lit_normal(mesh, point));
+}
+
+double Shader::grey(const SurfacePoint& point, int sample, double sky) const {
   const PlacedBody& body = hits_.body();
   const Mesh& mesh = *body.mesh;
   const Triangle& triangle = mesh.triangles[point.triangle];
-  Eigen::Vector3d normal = point.weights[0] * triangle.normal[0] +
-                           point.weights[1] * triangle.normal[1] +
-                           point.weights[2] * triangle.normal[2];
-  // A back face is the inside of an open mesh: it is lit as a sheet of paper is.
-  if (!point.is_front) normal = -normal;
+  const Eigen::Vector3d normal = lit_normal(mesh, point);
   const double length = normal.norm();
   double towards_light = length > 0 ? normal.dot(to_light_) / length : 0;
-  double even = light_.ambient;
+  double even = light_.ambient * sky;
   if (light_.second > 0 && length > 0) {
     even += light_.second * std::max(0.0, normal.dot(to_second_) / length);
   }
@@ -203,7 +161,7 @@ double Shader::grey(const SurfacePoint& point, int sample) const {
   }
   double lit = towards_light > 0 ? 1 : 0;
   if (lit > 0 && shadow_ != nullptr) {
-    lit = shadow_->lit_share(x, winding_normal(mesh, triangle), sample);
+    lit = shadow_->lit_share(x, winding_normal(mesh, triangle), point.triangle, sample);
   }
   if (!(lit > 0)) return albedo * even;
   double grey = albedo * (even + light_.directional * towards_light * lit);

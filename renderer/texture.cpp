@@ -6,22 +6,21 @@
 #include <array>
 #include <cmath>
 
+#include "scenes/mesh/textures.h"
+
 namespace sightline {
 namespace {
 
 constexpr int kCodes = 256;
 constexpr double kWhite = 65535;
 
-double decoded(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
 // Linear light of each of a texture's numbers.
 std::array<uint16_t, kCodes> linear_codes(bool is_srgb) {
   std::array<uint16_t, kCodes> codes{};
   for (int code = 0; code < kCodes; ++code) {
     const double value = code / (kCodes - 1.0);
-    codes[code] = static_cast<uint16_t>(std::lround(kWhite * (is_srgb ? decoded(value) : value)));
+    codes[code] =
+        static_cast<uint16_t>(std::lround(kWhite * (is_srgb ? linear_from_srgb(value) : value)));
   }
   return codes;
 }

@@ -260,6 +260,32 @@ void state_truth(const Scene& scene, TextureCache& textures, Frame& frame) {
   }
 }
 
+SurfaceMaps surface_maps(const Scene& scene) {
+  const std::vector<PlacedBody> bodies = placed_bodies(scene, scene.cam_from_target);
+  std::vector<RayHits> hits;
+  for (const PlacedBody& body : bodies) hits.emplace_back(body);
+  const Screen screen(scene.camera, image_box(scene.camera),
+                      reference_depth_m(scene.target->mesh, scene.cam_from_target));
+  TextureCache textures;
+  SurfaceOpacity opacity(bodies, scene.colouring.draws_textures, textures);
+  const bool looks_through = scene.colouring.truth_sees == TruthSurface::kOpaque;
+  const cv::Size size(scene.camera.width_px, scene.camera.height_px);
+  SurfaceMaps maps{cv::Mat::zeros(size, CV_64FC3), cv::Mat::zeros(size, CV_64FC3)};
+  for_each_seen(paint_ids(bodies, screen, looks_through ? &opacity : nullptr), [&](int x, int y,
+                                                                                   uint32_t id) {
+    const size_t b = body_of(bodies, id);
+    const Eigen::Vector2d pixel(x, y);
+    const SurfacePoint point =
+        hits[b].on(static_cast<int>(id - bodies[b].first_id), screen.normalised(pixel));
+    const Eigen::Vector3d normal =
+        bodies[b].cam_from_body.rotation * lit_normal(*bodies[b].mesh, point).stableNormalized();
+    const Eigen::Vector3d position = hits[b].in_body(point);
+    maps.normals.at<cv::Vec3d>(y, x) = {normal.x(), normal.y(), normal.z()};
+    maps.positions_m.at<cv::Vec3d>(y, x) = {position.x(), position.y(), position.z()};
+  });
+  return maps;
+}
+
 cv::Mat part_ids_alone(const Scene& scene) {
   const PlacedBody body = placed_bodies(scene, scene.cam_from_target).front();
   const Screen screen(scene.camera, image_box(scene.camera),

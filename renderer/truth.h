@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include <opencv2/core/mat.hpp>
+
 #include "renderer/frame.h"
 #include "renderer/shading.h"
 #include "renderer/texture.h"
@@ -24,6 +26,16 @@ size_t body_of(const std::vector<PlacedBody>& bodies, uint32_t id);
 /// Fills all of the frame but its image. Which surface a pixel sees where some are see-through, the
 /// scene's colouring says; their textures are kept in `textures`.
 void state_truth(const Scene& scene, TextureCache& textures, Frame& frame);
+
+/// What the centre of each pixel sees of the surfaces, at mid-exposure; zeros of background. The
+/// surface is the one that state_truth tells of. CV_64FC3.
+struct SurfaceMaps {
+  /// Unit vectors in the camera's axes, as the light sees them: between the mesh's normals at the
+  /// corners, and of the side that is seen.
+  cv::Mat normals;
+  cv::Mat positions_m;  ///< in the frame of the body that is seen
+};
+SurfaceMaps surface_maps(const Scene& scene);
 
 /// Part ids (CV_16U, index plus one) of the main target as if it were alone.
 cv::Mat part_ids_alone(const Scene& scene);

@@ -61,14 +61,29 @@ struct VertexLook {
   int corners = 0;
 };
 
+// Where a coordinate that may lie beyond the texture's borders falls, from 0 to 1.
+double within(double at, Wrap wrap) {
+  switch (wrap) {
+    case Wrap::kClamp:
+      return std::clamp(at, 0.0, 1.0);
+    case Wrap::kMirror: {
+      const double from_even = at - 2 * std::floor(at / 2);
+      return from_even <= 1 ? from_even : 2 - from_even;
+    }
+    case Wrap::kRepeat:
+      break;
+  }
+  return at - std::floor(at);
+}
+
 // The texel at texture coordinates, linear.
 Eigen::Array3d texel_at(const Texture& texture, const TextureRef& ref, const Eigen::Vector2f& uv) {
   const auto& m = ref.texture_from_uv;
-  const auto place = [](double at, int size) {
-    return static_cast<size_t>(std::clamp((at - std::floor(at)) * size, 0.0, size - 1.0));
+  const auto place = [](double at, Wrap wrap, int size) {
+    return static_cast<size_t>(std::clamp(within(at, wrap) * size, 0.0, size - 1.0));
   };
-  const size_t column = place(m[0] * uv.x() + m[1] * uv.y() + m[2], texture.width);
-  const size_t row = place(m[3] * uv.x() + m[4] * uv.y() + m[5], texture.height);
+  const size_t column = place(m[0] * uv.x() + m[1] * uv.y() + m[2], ref.wrap_u, texture.width);
+  const size_t row = place(m[3] * uv.x() + m[4] * uv.y() + m[5], ref.wrap_v, texture.height);
   Eigen::Array3d light;
   for (size_t c = 0; c < 3; ++c) {
     const double code =
@@ -105,9 +120,7 @@ std::vector<VertexLook> looks_of(const Mesh& mesh) {
 }
 
 uint8_t srgb_code(double linear) {
-  const double held = std::clamp(linear, 0.0, 1.0);
-  const double encoded = held <= 0.0031308 ? 12.92 * held : 1.055 * std::pow(held, 1 / 2.4) - 0.055;
-  return static_cast<uint8_t>(std::lround(255 * encoded));
+  return static_cast<uint8_t>(std::lround(255 * srgb_from_linear(std::clamp(linear, 0.0, 1.0))));
 }
 
 }  // namespace

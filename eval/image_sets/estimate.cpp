@@ -53,9 +53,7 @@ void add_image(Cost& cost, const SetPlan& plan, int64_t index, Renderer& rendere
   if (!image.drawn.is_imageable) return;
   cost.render_ms += ms_since(start);
   start = Clock::now();
-  add_files(cost, plan.format->image_files(plan, image));
-  add_files(cost, truth_files(plan, image));
-  add_files(cost, {{"", truth_text(truth_of(plan, image))}});
+  add_files(cost, files_of(plan, image));
   cost.encode_ms += ms_since(start);
   ++cost.images;
 }

@@ -68,8 +68,20 @@ void refuse_foreign(const fs::path& folder) {
   }
 }
 
-// The folder is this set's from here on, or was.
-void claim(const SetPlan& plan, const fs::path& folder) {
+// Whether the set that is there is this one but for images at its end.
+bool is_beginning(const std::string& there, const SetPlan& plan) {
+  const Json manifest = Json::parse(there, nullptr, /*allow_exceptions=*/false);
+  if (!manifest.is_object() || !manifest.contains("count")) return false;
+  const Json& count = manifest["count"];
+  if (!count.is_number_integer() || !(count < plan.count)) return false;
+  SetPlan shorter = plan;
+  shorter.count = count.get<int64_t>();
+  return manifest_of(shorter) == there;
+}
+
+// The folder is this set's from here on, or was. A set that ended earlier is continued: until all
+// images are there it has no list of them, as if it had just been begun.
+void claim(const SetPlan& plan, const fs::path& folder, bool is_resumed) {
   const fs::path manifest = folder / "sightline.json";
   const fs::path scene = folder / "scene.toml";
   if (!fs::exists(manifest)) {
@@ -78,7 +90,8 @@ void claim(const SetPlan& plan, const fs::path& folder) {
     return;
   }
   const std::string there = text_of(manifest);
-  if (there != manifest_of(plan)) {
+  const bool is_longer = is_resumed && is_beginning(there, plan);
+  if (!is_longer && there != manifest_of(plan)) {
     throw InputError(
         fmt::format("--out {}: {}", folder.string(), difference(there, manifest_of(plan))));
   }
@@ -86,6 +99,10 @@ void claim(const SetPlan& plan, const fs::path& folder) {
     throw InputError(fmt::format("--out {}: was begun with other keys of the scene {}",
                                  folder.string(), plan.study.name));
   }
+  if (!is_longer) return;
+  std::error_code error;  // that of the manifest will say it
+  fs::remove(folder / plan.format->list_path, error);
+  write_file(manifest, manifest_of(plan));
 }
 
 bool is_done(const SetPlan& plan, const fs::path& folder, int64_t index) {
@@ -115,11 +132,7 @@ class SetWriter {
   SetWriter(const SetPlan& plan, const fs::path& folder) : plan_(plan), folder_(folder) {}
 
   void write(const SetImage& image) {
-    if (image.drawn.is_imageable) {
-      for (const SetFile& file : plan_.format->image_files(plan_, image)) write(file);
-      for (const SetFile& file : truth_files(plan_, image)) write(file);
-    }
-    write({truth_path(plan_, image.index), truth_text(truth_of(plan_, image))});
+    for (const SetFile& file : files_of(plan_, image)) write(file);
   }
 
  private:
@@ -162,7 +175,7 @@ SetResult render_set(const SetPlan& plan, const SetOptions& options) {
   const SetLock lock(folder, options.shard);
   {
     const SetLock::Alone alone(lock);
-    claim(plan, folder);
+    claim(plan, folder, options.is_resumed);
   }
   const std::vector<bool> done = done_in(plan, folder, options.shard);
   SetResult result;

@@ -70,16 +70,19 @@ Json manifest_json(const SetPlan& plan) {
   for (size_t i = 0; i < plan.objects.size(); ++i) {
     objects.push_back({{"obj_id", i + 1}, {"target", plan.objects[i]->name}});
   }
-  return {{"version", SIGHTLINE_VERSION},
-          {"name", plan.study.name},
-          {"seed", plan.study.seed},
-          {"count", plan.count},
-          {"images_a_scene", plan.chunk},
-          {"format", plan.format->name},
-          {"truth", plan.has_full_truth ? "full" : "minimal"},
-          {"gl", plan.gl},
-          {"depth_scale", plan.depth_scale},
-          {"objects", objects}};
+  Json json = {{"version", SIGHTLINE_VERSION},
+               {"name", plan.study.name},
+               {"seed", plan.study.seed},
+               {"count", plan.count},
+               {"images_a_scene", plan.chunk},
+               {"format", plan.format->name},
+               {"truth", plan.has_full_truth ? "full" : "minimal"},
+               {"gl", plan.gl},
+               {"depth_scale", plan.depth_scale},
+               {"objects", objects}};
+  const std::vector<std::string> also = names_of(plan.extras);
+  if (!also.empty()) json["also"] = also;
+  return json;
 }
 
 }  // namespace
@@ -167,6 +170,10 @@ SetPlan plan_set(const SetRequest& request) {
   plan.count = request.count;
   plan.chunk = request.chunk;
   plan.has_full_truth = request.has_full_truth;
+  plan.extras = extras_named(request.also);
+  if (plan.extras.has_grey_tiff && plan.format->name != "bop") {
+    throw InputError(fmt::format("--also tiff: is of format bop, not {}", plan.format->name));
+  }
   plan.gl = request.gl;
   plan.depth_scale = request.depth_scale.value_or(finest_depth_scale(farthest_m(plan.images())));
   plan.objects = objects_of(plan.images());
@@ -189,6 +196,7 @@ SetPlan read_plan(const fs::path& folder) {
     plan.count = json.at("count").get<int64_t>();
     plan.chunk = json.at("images_a_scene").get<int>();
     plan.has_full_truth = json.at("truth") == "full";
+    plan.extras = extras_named(json.value("also", std::vector<std::string>()));
     plan.gl = json.at("gl").get<std::string>();
     plan.depth_scale = json.at("depth_scale").get<double>();
     plan.objects = objects_of(plan.images());

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "eval/image_sets/extras.h"
 #include "eval/study/study_file.h"
 #include "renderer/frame.h"
 #include "renderer/renderer.h"
@@ -24,6 +25,7 @@ struct SetPlan {
   int chunk = 1000;   ///< images a numbered scene of the set
   const SetFormat* format = nullptr;
   bool has_full_truth = true;  ///< exact depth and part ids as well
+  SetExtras extras;            ///< pictures on request
   std::string gl = "none";     ///< who draws: see gl_choice_names
   double depth_scale = 1;      ///< millimetres a step of a 16-bit depth image
   /// The distinct targets whose poses are told; the id of the first is 1.
@@ -45,6 +47,7 @@ struct SetRequest {
   int chunk = 1000;
   std::string format = "bop";
   bool has_full_truth = true;
+  std::vector<std::string> also;  ///< extra_names
   std::string gl = "none";
   std::optional<double> depth_scale;  ///< none: the finest that reaches all the scenes' depths
 };

@@ -11,6 +11,7 @@
 #include <opencv2/core.hpp>
 
 #include "eval/datasets/pictures.h"
+#include "scenes/files/checksum.h"
 #include "scenes/picture/picture_file.h"
 
 namespace sightline {
@@ -131,6 +132,25 @@ std::string stem_of(const SetPlan& plan, int64_t index) {
                      six_digits(plan.number_in_chunk(index)));
 }
 
+std::vector<std::string> exact_file_paths(const SetPlan& plan, int64_t index) {
+  if (!plan.has_full_truth) return {};
+  const std::string stem = stem_of(plan, index);
+  return {stem + "_depth.tiff", stem + "_parts.png"};
+}
+
+std::vector<SetFile> truth_files(const SetPlan& plan, const SetImage& image) {
+  std::vector<SetFile> files;
+  const std::vector<std::string> exact = exact_file_paths(plan, image.index);
+  if (!exact.empty()) {
+    files = {{exact[0], tiff_bytes(relative_depth(image))},
+             {exact[1], png_bytes(image.frame.part_ids)}};
+  }
+  for (SetFile& file : extra_files(plan.extras, image, stem_of(plan, image.index))) {
+    files.push_back(std::move(file));
+  }
+  return files;
+}
+
 // ---- checks
 
 // Redrawing rounds alike on one machine; libraries of other machines may differ in the last digit.
@@ -194,7 +214,7 @@ std::vector<std::string> body_problems(const Json& body, const Target& target, c
 std::vector<std::string> part_problems(const fs::path& folder, const SetPlan& plan,
                                        const Json& truth, int64_t index) {
   std::vector<std::string> problems;
-  const std::vector<std::string> paths = truth_file_paths(plan, index);
+  const std::vector<std::string> paths = exact_file_paths(plan, index);
   if (paths.empty()) return problems;
   const Json& camera = truth.at("camera");
   const cv::Size size(camera.at("width_px"), camera.at("height_px"));
@@ -245,17 +265,23 @@ std::string truth_text(const Json& truth) {
   return truth.dump() + "\n";
 }
 
-std::vector<SetFile> truth_files(const SetPlan& plan, const SetImage& image) {
-  const std::vector<std::string> paths = truth_file_paths(plan, image.index);
-  if (paths.empty()) return {};
-  return {{paths[0], tiff_bytes(relative_depth(image))},
-          {paths[1], png_bytes(image.frame.part_ids)}};
+std::vector<SetFile> files_of(const SetPlan& plan, const SetImage& image) {
+  Json truth = truth_of(plan, image);
+  std::vector<SetFile> files;
+  if (image.drawn.is_imageable) {
+    files = plan.format->image_files(plan, image);
+    for (SetFile& file : truth_files(plan, image)) files.push_back(std::move(file));
+    for (const SetFile& file : files) truth[kChecksums][file.path] = crc32_text(file.bytes);
+  }
+  files.push_back({truth_path(plan, image.index), truth_text(truth)});
+  return files;
 }
 
 std::vector<std::string> truth_file_paths(const SetPlan& plan, int64_t index) {
-  if (!plan.has_full_truth) return {};
   const std::string stem = stem_of(plan, index);
-  return {stem + "_depth.tiff", stem + "_parts.png"};
+  std::vector<std::string> paths = exact_file_paths(plan, index);
+  for (std::string& path : extra_paths(plan.extras, stem)) paths.push_back(std::move(path));
+  return paths;
 }
 
 std::optional<Json> read_truth(const fs::path& folder, const SetPlan& plan, int64_t index) {
@@ -300,6 +326,21 @@ std::vector<std::string> truth_problems(const fs::path& folder, const SetPlan& p
   }
   for (std::string& problem : part_problems(folder, plan, truth, index)) {
     problems.push_back(std::move(problem));
+  }
+  return problems;
+}
+
+std::vector<std::string> checksum_problems(const fs::path& folder, const Json& truth,
+                                           std::span<const std::string> paths) {
+  std::vector<std::string> problems;
+  if (!truth.contains(kChecksums)) return problems;
+  const Json& checksums = truth.at(kChecksums);
+  for (const std::string& path : paths) {
+    std::ifstream stream(folder / path, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    if (checksums.value(path, "") != crc32_text(bytes)) {
+      problems.push_back(path + " is not the file that was written with its truth");
+    }
   }
   return problems;
 }

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,9 +26,13 @@ Json truth_of(const SetPlan& plan, const SetImage& image);
 /// As it stands in its file.
 std::string truth_text(const Json& truth);
 
-/// The files beside the JSON: depth as z - z0_m in 32-bit TIFF, NaN of background, and 16-bit part
-/// ids. None of a minimal truth.
-std::vector<SetFile> truth_files(const SetPlan& plan, const SetImage& image);
+/// Everything that is written of an image, its truth last, which has the others' checksums
+/// (crc32_text) by their paths under kChecksums.
+std::vector<SetFile> files_of(const SetPlan& plan, const SetImage& image);
+inline constexpr const char* kChecksums = "crc32";
+
+/// What files are beside the JSON: depth as z - z0_m in 32-bit TIFF, NaN of background, and 16-bit
+/// part ids, none of a minimal truth; and the pictures of extras.h.
 std::vector<std::string> truth_file_paths(const SetPlan& plan, int64_t index);
 
 /// The truth in the folder; none where there is none that can be read.
@@ -38,6 +43,11 @@ std::optional<Json> read_truth(const std::filesystem::path& folder, const SetPla
 /// scene, drawn anew, says, and agree with itself.
 std::vector<std::string> truth_problems(const std::filesystem::path& folder, const SetPlan& plan,
                                         const Json& truth, int64_t index);
+
+/// Which of an image's files, all of which must be there, are not those whose checksums its truth
+/// has; a truth of before checksums has none.
+std::vector<std::string> checksum_problems(const std::filesystem::path& folder, const Json& truth,
+                                           std::span<const std::string> paths);
 
 /// Whether an image with this truth is in colour.
 bool is_in_colour(const Json& truth);

@@ -138,9 +138,9 @@ class Verifier {
     }
     if (is_failure) return false;
     if (!is_whole) return true;
-    for (const std::string& wrong : plan_.format->image_problems(plan_, folder_, truth)) {
-      problem(fmt::format("image {}: {}", index, wrong));
-    }
+    std::vector<std::string> wrongs = plan_.format->image_problems(plan_, folder_, truth);
+    if (wrongs.empty()) wrongs = checksum_problems(folder_, truth, paths);
+    for (const std::string& wrong : wrongs) problem(fmt::format("image {}: {}", index, wrong));
     return true;
   }
 

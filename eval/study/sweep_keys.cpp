@@ -70,12 +70,18 @@ struct SweptKeys {
   std::set<std::string> of_words;
 };
 
+// Whether the words of a key say whose they are ("rgb", "contrast").
+bool has_plain_words(const std::string& key) {
+  return key == "image.colour" || key == "extraction.channel";
+}
+
 // What stands for a swept value in a condition's label: its key and the value, or a word alone
-// where words are of one key. Where several are swept at once the key lacks its table, unless
-// another ends alike.
+// where it is plain or all others are of one key. Where several are swept at once the key lacks its
+// table, unless another ends alike.
 std::string label_of(const SweptValue& swept, const std::string& shown, bool is_alone,
                      const SweptKeys& keys) {
-  if (is_text(swept.literal) && keys.of_words.size() == 1) return shown;
+  const bool is_plain = has_plain_words(swept.key) || keys.of_words.size() == 1;
+  if (is_text(swept.literal) && is_plain) return shown;
   const auto last_part = [](const std::string& key) { return key.substr(key.rfind('.') + 1); };
   const std::string last = last_part(swept.key);
   const bool is_unique = std::none_of(keys.all.begin(), keys.all.end(), [&](const auto& key) {
@@ -153,7 +159,8 @@ std::vector<Condition> conditions_of(const std::vector<SweptCell>& cells) {
   for (const SweptCell& cell : cells) {
     for (const SweptValue& swept : cell) {
       keys.all.insert(swept.key);
-      if (is_text(swept.literal)) keys.of_words.insert(swept.key);
+      const bool is_word = is_text(swept.literal) && !has_plain_words(swept.key);
+      if (is_word) keys.of_words.insert(swept.key);
     }
   }
   std::vector<Condition> conditions;

@@ -57,6 +57,10 @@ double linear_from_srgb(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
+double srgb_from_linear(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
 Texture decode_texture(std::string_view bytes, int64_t pixels_left) {
   const std::optional<cv::Size> size = picture_size(bytes);
   if (!size) throw InputError("is of a format unknown here (known: PNG, JPEG, BMP, WebP, TIFF)");

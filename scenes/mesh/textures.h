@@ -20,6 +20,8 @@ constexpr int64_t kMaxTexturePixels = int64_t{1} << 26;  ///< of all of a mesh's
 
 /// Linear light of a number that is encoded as IEC 61966-2-1 says, both from 0 to 1.
 double linear_from_srgb(double encoded);
+/// Its inverse.
+double srgb_from_linear(double linear);
 
 /// Decodes a picture of a format that textures have here (PNG, JPEG, BMP, WebP, TIFF), 8 or 16
 /// bits, one to four channels. Its size is known from its header before anything is decoded. Throws

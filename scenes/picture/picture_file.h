@@ -58,7 +58,8 @@ std::string png_bytes(const cv::Mat& picture, PngEffort effort = PngEffort::kFas
 /// std::runtime_error for another.
 std::string jpeg_bytes(const cv::Mat& picture, int quality = 95);
 
-/// A picture of 32-bit floats, one channel, as TIFF. Throws std::runtime_error for another.
+/// A picture of 8 or 16 bits or 32-bit floats, one channel, as TIFF, uncompressed. Throws
+/// std::runtime_error for another.
 std::string tiff_bytes(const cv::Mat& picture);
 
 }  // namespace sightline

@@ -118,28 +118,32 @@ PictureReading decode_tiff(std::string_view bytes) {
 }
 
 std::string tiff_bytes(const cv::Mat& picture) {
-  if (picture.empty() || picture.type() != CV_32FC1) {
-    throw std::runtime_error("tiff_bytes: one channel of 32-bit floats is written alone");
+  const int type = picture.type();
+  if (picture.empty() || (type != CV_8UC1 && type != CV_16UC1 && type != CV_32FC1)) {
+    throw std::runtime_error("tiff_bytes: one channel of 8, 16 or 32 bits is written alone");
   }
+  const auto pixel_bytes = static_cast<int>(picture.elemSize());
+  constexpr int kBitsAByte = 8;
   std::ostringstream stream(std::ios::binary);
   Tiff tiff(TIFFStreamOpen("picture", static_cast<std::ostream*>(&stream)));
   if (tiff == nullptr) throw std::bad_alloc();
   TIFFSetField(tiff.get(), TIFFTAG_IMAGEWIDTH, picture.cols);
   TIFFSetField(tiff.get(), TIFFTAG_IMAGELENGTH, picture.rows);
-  TIFFSetField(tiff.get(), TIFFTAG_BITSPERSAMPLE, 32);
+  TIFFSetField(tiff.get(), TIFFTAG_BITSPERSAMPLE, kBitsAByte * pixel_bytes);
   TIFFSetField(tiff.get(), TIFFTAG_SAMPLESPERPIXEL, 1);
-  TIFFSetField(tiff.get(), TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
+  TIFFSetField(tiff.get(), TIFFTAG_SAMPLEFORMAT,
+               type == CV_32FC1 ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT);
   TIFFSetField(tiff.get(), TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
   TIFFSetField(tiff.get(), TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
   TIFFSetField(tiff.get(), TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   // Strips of about 8 kB, as the format's specification recommends.
   constexpr int kStripBytes = 1 << 13;
-  const int row_bytes = picture.cols * static_cast<int>(sizeof(float));
+  const int row_bytes = picture.cols * pixel_bytes;
   TIFFSetField(tiff.get(), TIFFTAG_ROWSPERSTRIP,
                std::clamp(kStripBytes / row_bytes, 1, picture.rows));
   for (int v = 0; v < picture.rows; ++v) {
     // libtiff swaps bytes in place where it must: it is given a copy.
-    std::vector<float> row(picture.ptr<float>(v), picture.ptr<float>(v) + picture.cols);
+    std::vector<uint8_t> row(picture.ptr(v), picture.ptr(v) + row_bytes);
     if (TIFFWriteScanline(tiff.get(), row.data(), static_cast<uint32_t>(v)) != 1) {
       throw std::runtime_error("tiff_bytes: a row cannot be written");
     }

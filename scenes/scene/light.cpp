@@ -40,6 +40,15 @@ std::vector<Key> keys_of(LightLaw& law, Light& light) {
        false,
        "0.3, in an [environment] 0"},
       {"light",
+       "occlusion",
+       &law.is_glow_occluded,
+       {},
+       "",
+       "whether bodies keep the even glow and the light of an [environment] from each other and "
+       "from "
+       "themselves (ambient occlusion)",
+       &light.is_glow_occluded},
+      {"light",
        "directional",
        &law.directional,
        {0, 1},
@@ -197,7 +206,8 @@ std::vector<Fact> facts_of(Light light) {
   // What was never there is not in the truth.
   std::erase_if(facts, [&light](const Fact& fact) {
     return (fact.name == "second" && !(light.second > 0)) ||
-           (fact.name == "radius_deg" && !(light.radius_deg > 0));
+           (fact.name == "radius_deg" && !(light.radius_deg > 0)) ||
+           (fact.name == "occlusion" && !light.is_glow_occluded);
   });
   if (light.second > 0) add("to_second_in_cam", light.to_second_in_cam);
   if (light.colour != Light{}.colour) add("colour", light.colour);

@@ -20,6 +20,8 @@ namespace sightline {
 struct Light {
   Eigen::Vector3d to_light_in_cam = -Eigen::Vector3d::UnitZ();  ///< unit vector; default: headlight
   double ambient = 0.30;
+  /// The even glow, a panorama's too, reaches as much of a surface as bodies leave open of the sky.
+  bool is_glow_occluded = false;
   double directional = 0.75;
   double specular = 0;
   double shininess = 20;
@@ -39,6 +41,7 @@ struct Light {
 /// What a file says of the light. The defaults are those of a frame, but for the direction.
 struct LightLaw {
   Range ambient = Light{}.ambient;
+  bool is_glow_occluded = Light{}.is_glow_occluded;
   Range directional = Light{}.directional;
   Range specular = Light{}.specular;
   Range shininess = Light{}.shininess;

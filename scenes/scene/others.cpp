@@ -2,15 +2,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/scene/others.h"
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/scene/oriented_box.h"
 #include "scenes/scene/poses.h"
 
 namespace sightline {
 namespace {
 
 constexpr int kMostBodies = 254;  // body ids have 8 bits
+constexpr int kMostDraws = 1000;  // of a body that is to keep apart
 
 std::shared_ptr<const Target> load_other(const TomlTable& table, const OtherLaw& law) {
   try {
@@ -37,6 +42,16 @@ OtherBody draw_other(const OtherLaw& law, const Camera& camera, const Eigen::Vec
       origin.z() * Eigen::Vector3d(du_px / camera.fx_px, dv_px / camera.fy_px, 0);
   body.cam_from_target.translation *= fraction;
   return body;
+}
+
+OrientedBox box_of(const OtherBody& body) {
+  return oriented_box(body.target->mesh, body.cam_from_target);
+}
+
+bool is_free(const OtherBody& body, const std::vector<OrientedBox>& taken) {
+  const OrientedBox box = box_of(body);
+  return std::none_of(taken.begin(), taken.end(),
+                      [&box](const OrientedBox& other) { return do_overlap(box, other); });
 }
 
 }  // namespace
@@ -95,6 +110,16 @@ std::vector<Key> keys_of(OtherLaw& law) {
        "cam_from_target",
        false,
        "uniform on SO(3)"},
+      {"other",
+       "apart",
+       &law.keeps_apart,
+       {},
+       "",
+       "whether it is drawn anew until its box (along its own axes) cuts that of no body before "
+       "it, "
+       "the main target first; a scene without such a place is not imaged",
+       {},
+       "cam_from_target"},
   };
 }
 
@@ -118,13 +143,27 @@ std::vector<OtherLaw> read_others(const TomlTable& file) {
   return laws;
 }
 
-std::vector<OtherBody> draw_others(const std::vector<OtherLaw>& laws, const Camera& camera,
-                                   const Pose& cam_from_target, const Draws& draws) {
-  std::vector<OtherBody> others;
+DrawnOthers draw_others(const std::vector<OtherLaw>& laws, const Camera& camera, const Mesh& target,
+                        const Pose& cam_from_target, const Draws& draws) {
+  DrawnOthers others;
+  const bool are_boxes_asked =
+      std::any_of(laws.begin(), laws.end(), [](const OtherLaw& law) { return law.keeps_apart; });
+  std::vector<OrientedBox> taken;
+  if (are_boxes_asked) taken.push_back(oriented_box(target, cam_from_target));
   RandomStream stream = draws.stream("other");
   for (const OtherLaw& law : laws) {
     for (int i = 0; i < law.count; ++i) {
-      others.push_back(draw_other(law, camera, cam_from_target.translation, stream));
+      OtherBody body = draw_other(law, camera, cam_from_target.translation, stream);
+      for (int draw = 1; law.keeps_apart && !is_free(body, taken); ++draw) {
+        if (draw == kMostDraws) {
+          others.problem = fmt::format("body {} beside the target found no place apart in {} draws",
+                                       others.bodies.size(), kMostDraws);
+          break;
+        }
+        body = draw_other(law, camera, cam_from_target.translation, stream);
+      }
+      if (are_boxes_asked) taken.push_back(box_of(body));
+      others.bodies.push_back(std::move(body));
     }
   }
   return others;

@@ -33,6 +33,13 @@ struct OtherLaw {
   Range offset_px{-100, 100};       ///< of its origin from the main target's, in u and in v
   Range range_fraction{0.8, 0.95};  ///< of its z to the main target's
   std::optional<Range> angle_deg;   ///< each of its three angles; none: uniform on SO(3)
+  bool keeps_apart = false;         ///< its box cuts that of no body before it
+};
+
+/// The bodies of one scene beside its main target.
+struct DrawnOthers {
+  std::vector<OtherBody> bodies;
+  std::string problem;  ///< why one of them has no place, in words; empty: all have one
 };
 
 std::vector<Key> keys_of(OtherLaw& law);
@@ -40,8 +47,9 @@ std::vector<Key> keys_of(OtherLaw& law);
 /// All [[other]] of a file. Throws InputError.
 std::vector<OtherLaw> read_others(const TomlTable& file);
 
-/// The bodies of one scene, whose main target has this pose.
-std::vector<OtherBody> draw_others(const std::vector<OtherLaw>& laws, const Camera& camera,
-                                   const Pose& cam_from_target, const Draws& draws);
+/// The bodies of one scene, whose main target has this pose. One that is to keep apart is drawn
+/// anew until it does, a thousand times at most.
+DrawnOthers draw_others(const std::vector<OtherLaw>& laws, const Camera& camera, const Mesh& target,
+                        const Pose& cam_from_target, const Draws& draws);
 
 }  // namespace sightline

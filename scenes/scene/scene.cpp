@@ -31,6 +31,7 @@ void extend_by_crossings(const Scene& scene, const Triangle& triangle, Eigen::Al
 }  // namespace
 
 std::string why_not_imageable(const Scene& scene) {
+  if (!scene.misplaced.empty()) return scene.misplaced;
   Eigen::AlignedBox2d pixels;
   bool is_crossing = false;
   const Mesh& mesh = scene.target->mesh;

@@ -28,6 +28,7 @@ struct Scene {
   Camera camera;
   Pose cam_from_target;
   std::vector<OtherBody> others;
+  std::string misplaced;  ///< why one of these has no place (draw_others); empty: all have one
   Light light;
   std::vector<Lamp> lamps;
   Environment environment;
@@ -39,9 +40,10 @@ struct Scene {
   int samples_per_pixel = kSamplesPerPixel;  ///< one of kSampleCounts; see the renderer
 };
 
-/// Why a scene cannot be imaged, in words for the user (the main target lies behind the camera, or
-/// the projected box of what of it is in front lies outside the image); empty when it can. Bodies
-/// that reach behind the camera are seen as far as they are in front.
+/// Why a scene cannot be imaged, in words for the user (the main target lies behind the camera, the
+/// projected box of what of it is in front lies outside the image, or a body beside it has no
+/// place); empty when it can. Bodies that reach behind the camera are seen as far as they are in
+/// front.
 std::string why_not_imageable(const Scene& scene);
 
 }  // namespace sightline

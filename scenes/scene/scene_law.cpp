@@ -3,6 +3,7 @@
 #include "scenes/scene/scene_law.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -128,7 +129,10 @@ DrawnScene draw_scene(const SceneLaw& law, int given_pose, uint64_t seed, int64_
   scene.motion = draw_motion(law.motion, law.camera, scene.cam_from_target, draws);
   scene.sensor = draw_sensor(law.sensor, seed, draws);
   scene.colouring = draw_colouring(law.colouring, draws);
-  scene.others = draw_others(law.others, law.camera, scene.cam_from_target, draws);
+  DrawnOthers others =
+      draw_others(law.others, law.camera, law.target->mesh, scene.cam_from_target, draws);
+  scene.others = std::move(others.bodies);
+  scene.misplaced = std::move(others.problem);
   drawn.is_imageable = why_not_imageable(scene).empty();
   return drawn;
 }

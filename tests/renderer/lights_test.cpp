@@ -239,19 +239,23 @@ Penumbra penumbra_of(ColourMode mode, double radius_deg, int samples) {
   return out;
 }
 
+// Of a narrow disc by rays, of a wide one by shadow maps.
 TEST(Disc, APenumbraIsAsWideAsTheDiscMakesIt) {
   // The light comes at a slant: the disc's shadow on the wall is longer by the slant's secant,
   // and the way from the edge to the wall too.
   const double slant = std::atan(0.1);
-  const double radius_m = std::tan(1.5 * std::numbers::pi / 180) / std::pow(std::cos(slant), 2);
-  // An edge divides 32 points of the disc; a pixel's samples, each of which sees some of them, lie
-  // on either side.
-  constexpr double kPoints = 1.6 / Shadow::kDiscPoints;
-  for (const auto& [mode, samples] : {std::pair{ColourMode::kRgb, 4}, {ColourMode::kGrey, 64}}) {
-    const Penumbra seen = penumbra_of(mode, 1.5, samples);
-    for (size_t i = 0; i < seen.part.size(); ++i) {
-      ASSERT_NEAR(seen.part[i], part_of_disc(seen.from_edge_m[i] / radius_m), kPoints)
-          << i << ", " << samples << " samples";
+  for (const double radius_deg : {1.5, 5.0}) {
+    // An edge divides 32 points of the disc; a pixel's samples, each of which sees some of them,
+    // lie on either side. Shadow maps round to their texels beside that.
+    const double points = (radius_deg < 2 ? 1.6 : 2.0) / Shadow::kDiscPoints;
+    const double radius_m =
+        std::tan(radius_deg * std::numbers::pi / 180) / std::pow(std::cos(slant), 2);
+    for (const auto& [mode, samples] : {std::pair{ColourMode::kRgb, 4}, {ColourMode::kGrey, 64}}) {
+      const Penumbra seen = penumbra_of(mode, radius_deg, samples);
+      for (size_t i = 0; i < seen.part.size(); ++i) {
+        ASSERT_NEAR(seen.part[i], part_of_disc(seen.from_edge_m[i] / radius_m), points)
+            << radius_deg << " deg, " << i << ", " << samples << " samples";
+      }
     }
   }
 }

@@ -33,7 +33,8 @@ std::string scene_folder(int64_t chunk) {
 // Where the files of an image lie, in the order in which they are told.
 struct ImagePaths {
   std::string grey;
-  std::string colour;  // empty where the image has none
+  std::string grey_tiff;  // empty where the set has none
+  std::string colour;     // empty where the image has none
   std::string depth;
   std::vector<std::string> masks;          // an instance each
   std::vector<std::string> visible_masks;  // an instance each: its pixels that are seen
@@ -47,6 +48,9 @@ ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances, bool 
   };
   ImagePaths paths;
   paths.grey = path(bop::kGreyFolder, bop::image_name(im_id));
+  if (plan.extras.has_grey_tiff) {
+    paths.grey_tiff = fs::path(paths.grey).replace_extension(".tiff").string();
+  }
   if (has_colour) paths.colour = path(bop::kColourFolder, bop::image_name(im_id));
   paths.depth = path(bop::kDepthFolder, bop::image_name(im_id));
   for (int64_t gt_id = 0; gt_id < instances; ++gt_id) {
@@ -79,6 +83,7 @@ std::vector<std::string> bop_image_paths(const SetPlan& plan, const Json& truth)
     all.push_back(paths.masks[gt_id]);
     all.push_back(paths.visible_masks[gt_id]);
   }
+  if (!paths.grey_tiff.empty()) all.push_back(paths.grey_tiff);
   if (!paths.colour.empty()) all.push_back(paths.colour);
   return all;
 }
@@ -103,6 +108,7 @@ std::vector<SetFile> bop_image_files(const SetPlan& plan, const SetImage& image)
     files.push_back({paths.masks[gt_id], whole_png});
     files.push_back({paths.visible_masks[gt_id], is_all_seen ? whole_png : png_bytes(seen)});
   }
+  if (!paths.grey_tiff.empty()) files.push_back({paths.grey_tiff, tiff_bytes(frame.image)});
   if (!paths.colour.empty()) files.push_back({paths.colour, png_bytes(frame.colour)});
   return files;
 }
@@ -223,13 +229,14 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
   y down, z forward. Millimetres here, metres in sightline/.
 - Lens distortion has no place in this format: {names} = {coefficients}
   ({model}, OpenCV's signs), also in sightline/.
-- models_eval/ has the meshes as they were rendered; models/ the same, of a set in colour with
+{extras}- models_eval/ has the meshes as they were rendered; models/ the same, of a set in colour with
   normals and colours.
 )",
       fmt::arg("name", plan.study.name), fmt::arg("count", plan.count),
       fmt::arg("version", SIGHTLINE_VERSION), fmt::arg("seed", plan.study.seed),
       fmt::arg("chunk", plan.chunk), fmt::arg("objects", objects), fmt::arg("grey", encoding.grey),
-      fmt::arg("encoding", encoding.sentence), fmt::arg("rgb", colour_line(plan)),
+      fmt::arg("encoding", encoding.sentence), fmt::arg("extras", extras_text(plan.extras)),
+      fmt::arg("rgb", colour_line(plan)),
       fmt::arg("bits", plan.images().setups.front().scene.sensor.bits),
       fmt::arg("white", (1 << plan.images().setups.front().scene.sensor.bits) - 1),
       fmt::arg("depth_scale", plan.depth_scale),
@@ -336,7 +343,7 @@ std::vector<std::string> bop_image_problems(const SetPlan& plan, const fs::path&
   for (size_t i = 0; i < paths.size(); ++i) {
     pictures.push_back(read_picture(folder / paths[i]));
     const bool is_colour = is_in_colour(truth) && i + 1 == paths.size();
-    const bool is_picture = i == 0 || is_colour;
+    const bool is_picture = i == 0 || is_colour || paths[i].ends_with(".tiff");
     const bool is_wide = i == 1 || (is_picture && truth.at("scene").at("sensor").at("bits") > 8);
     const cv::Mat& picture = pictures.back();
     const int type = CV_MAKETYPE(is_wide ? CV_16U : CV_8U, is_colour ? 3 : 1);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "eval/image_sets/estimate.h"
+#include "eval/image_sets/extras.h"
 #include "eval/image_sets/render_set.h"
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/verify.h"
@@ -151,11 +152,17 @@ void add_render(CLI::App& app, int& exit_code) {
                   "Only images with number mod N = I, into the same folder as the other shards: "
                   "I/N, auto or auto/N (from the engine)");
   sub->add_flag("--resume", arguments->options.is_resumed,
-                "Continue the set in --out; begin where there is none");
+                "Continue the set in --out, up to a larger --count too; begin where there is none");
   sub->add_option("--format", request.format, format_list())->capture_default_str();
   sub->add_option("--truth", arguments->truth, "full, or minimal: no exact depth and no part ids")
       ->check(CLI::IsMember({"full", "minimal"}))
       ->capture_default_str();
+  sub->add_option(
+         "--also", request.also,
+         "More pictures, by commas: tiff (BOP's gray/ as .tiff too), normals, nocs (object "
+         "coordinates)")
+      ->delimiter(',')
+      ->check(CLI::IsMember(extra_names()));
   sub->add_option("--depth-scale", request.depth_scale,
                   "Millimetres a step of the 16-bit depth [the finest that reaches all]")
       ->check(CLI::Range(1e-6, 1e6));

@@ -128,6 +128,32 @@ TEST(BopModelFile, InColourHasTheSameVerticesWithTheirMeans) {
   EXPECT_EQ(colour_of(1), (std::array{255, 188, 188}));  // half of each light, as sRGB has it
 }
 
+// Beyond its borders a texture is what its sampler says: here at 1.25 of its width.
+TEST(BopModelFile, TakesTexelsBeyondTheBordersAsTheSamplerSays) {
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  mesh.triangles = {{.vertex = {0, 1, 2}}};
+  mesh.textures = {std::make_shared<const Texture>(
+      Texture{.name = "h", .width = 2, .height = 1, .rgba = {9, 9, 9, 255, 99, 99, 99, 255}})};
+  mesh.coats.resize(1);
+  mesh.coats[0].uv.fill(Eigen::Vector2f(1.25f, 0));
+  compute_corner_normals(mesh, 0.1);
+  const auto red_with = [&mesh](Wrap wrap) {
+    Material material;
+    material.base_texture = {.texture = 0, .wrap_u = wrap};
+    mesh.parts = {{"part", 1, material}};
+    const std::string bytes = coloured_ply_bytes(mesh);
+    return static_cast<int>(static_cast<uint8_t>(bytes[bytes.find("end_header\n") + 11 + 24]));
+  };
+  EXPECT_EQ(red_with(Wrap::kRepeat), 9);
+  EXPECT_EQ(red_with(Wrap::kClamp), 99);
+  EXPECT_EQ(red_with(Wrap::kMirror), 99);
+  mesh.coats[0].uv.fill(Eigen::Vector2f(-0.75f, 0));
+  EXPECT_EQ(red_with(Wrap::kRepeat), 9);
+  EXPECT_EQ(red_with(Wrap::kClamp), 9);
+  EXPECT_EQ(red_with(Wrap::kMirror), 99);
+}
+
 TEST(BopModelFile, ABrokenOneIsSaid) {
   const TemporaryFolder folder;
   const auto error = [&folder](const std::string& text) {

@@ -65,8 +65,9 @@ TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
       {"other=[{target='cube', scale=0.1}]", "image.colour=rgb", "image.vignetting=0.1",
        "image.jpeg_quality=90", "image.white_balance=[1.0, 1.0, 2.0]", "light.second=0.1",
        "light.colour=[1.0, 1.0, 0.5]", "light.second_colour=[1.0, 0.5, 0.5]",
-       "light.casts_shadow=true", "light.radius_deg=0.27", "lamp=[{strength=0.5}]",
-       "environment.file=" + panorama.string(), "image.truth_sees=opaque", "camera.skew_px=1"});
+       "light.casts_shadow=true", "light.radius_deg=0.27", "light.occlusion=true",
+       "lamp=[{strength=0.5}]", "environment.file=" + panorama.string(), "image.truth_sees=opaque",
+       "camera.skew_px=1"});
   EXPECT_THAT(keys_missing_in(truth), IsEmpty());
   for (const char* fact : {"is_srgb", "defect_seed"}) {
     EXPECT_TRUE(truth["scene"]["sensor"].contains(fact)) << fact;
@@ -82,7 +83,8 @@ TEST(Truth, OfAGreyPictureIsWhatItAlwaysWas) {
   for (const char* part : {"colouring", "lamps", "environment"}) {
     EXPECT_FALSE(scene.contains(part)) << part;
   }
-  for (const char* fact : {"second", "to_second_in_cam", "colour", "second_colour", "radius_deg"}) {
+  for (const char* fact :
+       {"second", "to_second_in_cam", "colour", "second_colour", "radius_deg", "occlusion"}) {
     EXPECT_FALSE(scene["light"].contains(fact)) << fact;
   }
   for (const char* fact : {"vignetting", "jpeg_quality", "white_balance"}) {

@@ -196,7 +196,7 @@ TEST(BoeingLocalisation, KeepsToTheGoalsOfTwoPasses) {
 TEST(FeatureLocalisation, HoldsEveryExtractorAgainstEveryNuisance) {
   const Study study = read_study("feature-localisation");
   const size_t extractors = feature_extractors().size();
-  EXPECT_EQ(study.conditions.size(), extractors + 5 * (3 + 3 + 2 + 2 + 3 + 3));
+  EXPECT_EQ(study.conditions.size(), extractors + 5 * (3 + 3 + 2 + 2 + 3 + 3 + 4));
   EXPECT_EQ(study.conditions[0].label, "hough_intersection");
   EXPECT_EQ(study.conditions[extractors].label, "hough_intersection, read_noise_grey 0.0");
   for (const Condition& condition : study.conditions) EXPECT_LE(condition.label.size(), 42u);
@@ -223,7 +223,7 @@ TEST(FeatureLocalisation, SaysThatRefinedLinesAreNearerThanHoughs) {
 
 TEST(OutlierImpact, SweepsEveryNuisance) {
   const Study study = read_study("outlier-impact");
-  EXPECT_EQ(study.conditions.size(), 5u + 3 + 3 + 2 + 2 + 1 + 2 + 2 + 2 + 2);
+  EXPECT_EQ(study.conditions.size(), 5u + 3 + 3 + 2 + 2 + 1 + 2 + 2 + 2 + 2 + 4 + 2);
   EXPECT_EQ(study.conditions[0].label, "background.level 0.02");
   EXPECT_EQ(study.conditions[17].label, "clouds, background.contrast 0.5");
   EXPECT_EQ(study.images()->solving.inputs.size(), 3u);

@@ -1,0 +1,14 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace sightline {
+
+/// The CRC-32 of bytes, as zlib, gzip and PNG have it, in eight hexadecimal digits. It tells bytes
+/// that were exchanged or damaged, not those that somebody forged.
+std::string crc32_text(std::string_view bytes);
+
+}  // namespace sightline
