@@ -2,10 +2,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The program `sightline`: reads the command line and calls what does the work.
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/core/utils/logger.hpp>
 
@@ -38,6 +43,55 @@ std::string command_line(int argc, char** argv) {
   std::string text = "sightline";
   for (int i = 1; i < argc; ++i) text += " " + sightline::shell_word(argv[i]);
   return text;
+}
+
+std::vector<std::string> option_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+// The command that the line names; null where it names none.
+const CLI::App* command_in(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->parsed()) return command;
+  }
+  return nullptr;
+}
+
+// What is wrong with a command line: of a misspelt command or option also what was perhaps meant.
+std::string mistake_in(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  const CLI::App* const used = command_in(app);
+  if (used == nullptr) {
+    std::vector<std::string> names;
+    for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+    return fmt::format("'{}' is no command{}", argv[1], sightline::suggestion(argv[1], names));
+  }
+  const std::vector<std::string> options = option_names(*used);
+  for (int i = 2; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    const std::string option(word.substr(0, word.find('=')));
+    const bool is_known = std::find(options.begin(), options.end(), option) != options.end();
+    if (word == "--") break;
+    if (!word.starts_with("--") || is_known) continue;
+    return fmt::format("{} has no option {}{}", used->get_name(), option,
+                       sightline::suggestion(option, options));
+  }
+  return fmt::format("{}: {}", used->get_name(), error.what());
+}
+
+// One line for it, and one that leads on. Help and the version, which are asked for, are as CLI11
+// prints them.
+int tell_usage(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
+  if (error.get_exit_code() == 0) return app.exit(error);
+  const CLI::App* const used = command_in(app);
+  std::cerr << "sightline: " << sightline::in_one_line(mistake_in(app, error, argc, argv)) << "\n"
+            << (used == nullptr
+                    ? "sightline --help lists the commands\n"
+                    : fmt::format("sightline {} --help lists its options\n", used->get_name()));
+  return kUsageExit;
 }
 
 }  // namespace
@@ -76,7 +130,7 @@ int main(int argc, char** argv) {
     if (!std::cout) throw sightline::InputError("standard output cannot be written");
     return exit_code;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kUsageExit;
+    return tell_usage(app, error, argc, argv);
   } catch (const sightline::Interrupted& interrupted) {
     std::cerr << "\nsightline: " << sightline::in_one_line(interrupted.what()) << '\n';
     return kInterruptedExit;

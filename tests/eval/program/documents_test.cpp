@@ -235,5 +235,19 @@ TEST(Documents, TheFirstWordsAreFourCommands) {
   EXPECT_THAT(outcome.output, HasSubstr("sightline demo"));
 }
 
+TEST(Documents, AMisspeltCommandOrOptionIsToldWhatWasPerhapsMeant) {
+  const Outcome command = run("stduy cube-noise");
+  EXPECT_EQ(command.exit_code, 2);
+  EXPECT_EQ(command.output,
+            "sightline: 'stduy' is no command (did you mean 'study'?)\n"
+            "sightline --help lists the commands\n");
+  const Outcome option = run("study cube-noise --trails 3");
+  EXPECT_EQ(option.exit_code, 2);
+  EXPECT_THAT(option.output, HasSubstr("study has no option --trails (did you mean '--trials'?)"));
+  EXPECT_THAT(option.output, HasSubstr("sightline study --help"));
+  EXPECT_THAT(run("study").output, HasSubstr("sightline: study: study is required"));
+  EXPECT_EQ(run("study --help").exit_code, 0);
+}
+
 }  // namespace
 }  // namespace sightline
