@@ -134,7 +134,8 @@ TEST(PictureFile, WhatNoFormatHoldsIsNotWritten) {
   EXPECT_THROW(png_bytes(cv::Mat(2, 2, CV_32F)), std::runtime_error);
   EXPECT_THROW(png_bytes(cv::Mat(2, 2, CV_8UC2)), std::runtime_error);
   EXPECT_THROW(jpeg_bytes(cv::Mat(2, 2, CV_16U)), std::runtime_error);
-  EXPECT_THROW(tiff_bytes(cv::Mat(2, 2, CV_8U)), std::runtime_error);
+  EXPECT_THROW(tiff_bytes(cv::Mat(2, 2, CV_8UC3)), std::runtime_error);
+  EXPECT_THROW(tiff_bytes(cv::Mat(2, 2, CV_64F)), std::runtime_error);
   EXPECT_THROW(png_bytes(cv::Mat()), std::runtime_error);
 }
 
