@@ -37,16 +37,24 @@ void run_shard(const Study& study, const Shard& shard, const RendererOptions& re
   TrialRunner runner(study, renderer);
   std::vector<TrialRecord> batch;
   Clock::time_point batch_start = Clock::now();
-  for (int64_t index = shard.index; index < study.trial_count(); index += shard.count) {
-    if (done[static_cast<size_t>(index)]) continue;
-    stop_if_interrupted();
-    batch.push_back(runner.run(index));
-    if (batch.size() == kMostTrialsABatch || Clock::now() - batch_start > kLongestBatch) {
-      store.add(batch);
-      batch.clear();
-      batch_start = Clock::now();
+  const auto run_all = [&] {
+    for (int64_t index = shard.index; index < study.trial_count(); index += shard.count) {
+      if (done[static_cast<size_t>(index)]) continue;
+      stop_if_interrupted();
+      batch.push_back(runner.run(index));
+      if (batch.size() == kMostTrialsABatch || Clock::now() - batch_start > kLongestBatch) {
+        store.add(batch);
+        batch.clear();
+        batch_start = Clock::now();
+      }
+      tick();
     }
-    tick();
+  };
+  try {
+    run_all();
+  } catch (const Interrupted&) {
+    store.add(batch);  // what is finished is kept, whatever ends the run
+    throw;
   }
   store.add(batch);
 }
@@ -145,7 +153,6 @@ RunResult run_study(const Study& study, const RunOptions& options) {
   try {
     return run_into(folder, store, study, options);
   } catch (const Interrupted&) {
-    if (!options.is_resumed) throw;
     const std::string kept = keep_finished(folder);
     if (kept.empty()) throw;
     throw Interrupted("interrupted" + kept);

@@ -3,7 +3,10 @@
 #include "eval/work/interrupt.h"
 
 #include <csignal>
+#include <string_view>
 #include <utility>
+
+#include <unistd.h>
 
 #include "scenes/files/pauses.h"
 
@@ -15,8 +18,23 @@ volatile std::sig_atomic_t was_interrupted = 0;
 
 thread_local InterruptWatch* innermost_watch = nullptr;
 
+// Who remembers signals. Its workers inherit the handlers, but are ended by it.
+volatile pid_t listener = 0;
+
+// A step took longer than anybody waits (an image of gigapixels): whatever is written is written so
+// that a process may be killed at any moment.
+void end_at_once(int) {
+  constexpr std::string_view kWords =
+      "\nsightline: interrupted in the middle of a long step; finished trials and images are kept "
+      "for --resume\n";
+  const ssize_t written = write(STDERR_FILENO, kWords.data(), kWords.size());
+  _exit(written < 0 ? 1 : 130);
+}
+
 void remember(int signal) {
+  constexpr unsigned kLongestStepS = 1;
   was_interrupted = 1;
+  if (getpid() == listener) alarm(kLongestStepS);
   std::signal(signal, SIG_DFL);  // a second one ends the process at once
 }
 
@@ -24,6 +42,8 @@ void remember(int signal) {
 
 void remember_interrupts() {
   call_in_pauses(stop_if_interrupted);
+  listener = getpid();
+  std::signal(SIGALRM, end_at_once);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
     // Whoever started the program may have it outlive a hang-up (nohup) or a Ctrl-C (&).
     if (std::signal(signal, remember) == SIG_IGN) std::signal(signal, SIG_IGN);
@@ -45,7 +65,10 @@ bool InterruptWatch::has_come() {
 }
 
 void stop_if_interrupted() {
-  if (was_interrupted != 0) throw Interrupted();
+  if (was_interrupted != 0) {
+    alarm(0);  // it is heard: the work ends by itself, and takes its time to do so well
+    throw Interrupted();
+  }
   if (innermost_watch != nullptr && innermost_watch->has_come()) throw Interrupted();
 }
 

@@ -17,7 +17,9 @@ class Interrupted : public std::runtime_error {
 
 /// From here on the first signal that asks the process to end is remembered instead, so that long
 /// work can stop between two steps, or in the middle of a file that is read, and leave nothing
-/// half-written. For the commands that write.
+/// half-written. Where a second passes without stop_if_interrupted(), in a long step, the process
+/// ends at once with the exit code 130 and leaves what a killed one leaves. For the commands that
+/// write.
 void remember_interrupts();
 
 /// As long as it lives, stop_if_interrupted() of this thread also asks `has_come`, until that says

@@ -80,7 +80,8 @@ class Resume : public testing::Test {
 
   // Ends with finished trials in the folder beside, for want of room.
   void run_out_of_room(const std::string& name) const {
-    const Outcome outcome = run_shell(kLittleRoom + program() + " " + kStudy + "--jobs 1 " + to(name));
+    const Outcome outcome =
+        run_shell(kLittleRoom + program() + " " + kStudy + "--jobs 1 " + to(name));
     ASSERT_EQ(outcome.exit_code, 1) << outcome.output;
     EXPECT_EQ(lines_of(outcome.output), 1u) << outcome.output;
     EXPECT_THAT(outcome.output, HasSubstr("results.sqlite: cannot be written"));
@@ -218,7 +219,7 @@ TEST_F(Resume, TwoRunsIntoOneFolderAreRefused) {
   waitpid(first, nullptr, 0);
 }
 
-TEST_F(Resume, AnInterruptKeepsFinishedTrialsOfARunThatMayBeResumed) {
+TEST_F(Resume, AnInterruptKeepsFinishedTrialsWhetherTheRunWasToBeResumedOrNot) {
   const auto interrupted = [&](const std::string& name, const std::string& how) {
     // Wait for a first batch in a worker's store: it is far larger than an empty one then, and has
     // no journal between transactions.
@@ -229,13 +230,14 @@ TEST_F(Resume, AnInterruptKeepsFinishedTrialsOfARunThatMayBeResumed) {
                      "[ ! -e $f-journal ]; do sleep 0.01; done; "
                      "kill -TERM $pid; wait $pid; echo exit $?");
   };
-  const Outcome kept = interrupted("kept", " --resume");
-  EXPECT_THAT(kept.output, HasSubstr("kept for --resume"));
-  EXPECT_THAT(kept.output, HasSubstr("exit 130"));
-  EXPECT_TRUE(fs::exists(staging_folder(out("kept"))));
-  const Outcome left = interrupted("left", "");
-  EXPECT_THAT(left.output, HasSubstr("nothing was written"));
-  EXPECT_FALSE(fs::exists(staging_folder(out("left"))));
+  for (const std::string how : {" --resume", ""}) {
+    const std::string name = how.empty() ? "plain" : "resumed";
+    const Outcome kept = interrupted(name, how);
+    EXPECT_THAT(kept.output, HasSubstr("kept for --resume"));
+    EXPECT_THAT(kept.output, HasSubstr("exit 130"));
+    EXPECT_TRUE(fs::exists(staging_folder(out(name))));
+    EXPECT_FALSE(fs::exists(out(name)));
+  }
 }
 
 TEST_F(Resume, AMergeThatWasKilledIsRepeated) {

@@ -7,11 +7,13 @@
 #include <stdexcept>
 #include <string>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
 #include "eval/work/interrupt.h"
+#include "scenes/files/child_process.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -58,6 +60,34 @@ TEST(Workers, ACrashEndsTheOthersAndIsSaid) {
                 raise(SIGKILL);
               }),
               HasSubstr("signal 9"));
+}
+
+// The exit code of a process that asks itself to end and then does this.
+int exit_code_after_a_signal(const std::function<int()>& then) {
+  const ChildProcess child = fork_child([&then](int) {
+    close(STDERR_FILENO);  // its last words are not the test's
+    open("/dev/null", O_WRONLY);
+    remember_interrupts();
+    raise(SIGTERM);
+    return then();
+  });
+  close(child.pipe);
+  return wait_for(child.process).exit_code;
+}
+
+TEST(Interrupts, EndAStepThatTakesLongAndNotWhatHasHeardThem) {
+  constexpr int kInterrupted = 130, kOwn = 7;
+  EXPECT_EQ(exit_code_after_a_signal([] {
+              while (true) sleep(kLongS);
+              return kOwn;
+            }),
+            kInterrupted);
+  EXPECT_EQ(exit_code_after_a_signal([] {
+              EXPECT_THROW(stop_if_interrupted(), Interrupted);
+              const unsigned left_s = sleep(2);  // to end well takes longer than the long step
+              return left_s == 0 ? kOwn : 1;
+            }),
+            kOwn);
 }
 
 TEST(InterruptWatch, SaysYesForGoodAndToItsOwnScopeAlone) {
