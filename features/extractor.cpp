@@ -151,19 +151,24 @@ Observation unseen(const FeaturePrediction& prediction, const cv::Rect& window,
 Observation extracted(const ExtractionInput& input, const FeatureExtractor& extractor) {
   if (!extractor.needs_edges && !extractor.needs_mesh) return extractor.extract(input);
   const Eigen::Vector2d& pixel = input.prediction.pixel;
-  const auto straight = StraightWindow::about(pixel, input.view.camera, input.image);
+  // As far as extractors look along an edge and across it, and what their filters reach beyond.
+  constexpr int kReachPx = 104;
+  constexpr int kFilterPx = 8;
+  const int half_px = std::max(kReachPx, input.options.window_half_px + kFilterPx);
+  const auto straight = StraightWindow::about(pixel, input.view.camera, input.image, half_px);
   if (!straight) return extractor.extract(input);
   const PredictedView view = straight->view_of(input.view, input.prediction);
   const FeaturePrediction& prediction = view.features.front();
   const cv::Rect window =
       window_around(prediction.pixel, input.options.window_half_px, straight->image().size());
-  if (window.empty())
-    return unseen(input.prediction, input.window, ObservationStatus::kOutsideImage);
+  const ObservationStatus why_not =
+      window.empty() ? ObservationStatus::kOutsideImage : why_not_look(straight->image()(window));
+  if (why_not != ObservationStatus::kFound) return unseen(input.prediction, input.window, why_not);
   Observation found = straight->in_image(extractor.extract(
       {straight->image(), view, prediction, input.options, window, input.background_grey}));
-  const int half_px = std::max(found.window.width, found.window.height) / 2;
+  const int looked_px = std::max(found.window.width, found.window.height) / 2;
   found.predicted_px = pixel;
-  found.window = window_around(pixel, half_px, input.image.size());
+  found.window = window_around(pixel, looked_px, input.image.size());
   if (found.window.empty()) found.window = input.window;
   return found;
 }

@@ -5,19 +5,71 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/LU>
-#include <opencv2/imgproc.hpp>
+#include <opencv2/core.hpp>
 
 namespace sightline {
 namespace {
 
-/// As far as extractors look: along an edge, across it, and what their filters reach beyond.
-constexpr int kHalfPx = 104;
 /// Where edges are looked at nearly always.
 constexpr double kNearPx = 60;
 constexpr double kLeastBentPx = 0.02;
+
+/// Lanczos' interpolation of four lobes to either side, which leaves white noise nearly white.
+/// OpenCV's moves pixels to the next of 32 places between two, and with them the edges by more than
+/// fits err.
+class Lanczos {
+ public:
+  Lanczos() {
+    for (int phase = 0; phase <= kPhases; ++phase) {
+      double sum = 0;
+      std::array<double, kTaps> weights;
+      for (int tap = 0; tap < kTaps; ++tap) {
+        const double x = tap - kBefore - static_cast<double>(phase) / kPhases;
+        weights[tap] = sinc(x) * sinc(x / (kTaps / 2));
+        sum += weights[tap];
+      }
+      for (int tap = 0; tap < kTaps; ++tap) {
+        weights_[phase][tap] = static_cast<float>(weights[tap] / sum);
+      }
+    }
+  }
+
+  /// Beyond its border the image goes on as it ends.
+  uint8_t at(const cv::Mat& image, const Eigen::Vector2d& place) const {
+    const Eigen::Array2d first = place.array().floor();
+    const int u = static_cast<int>(first.x()) - kBefore;
+    const int v = static_cast<int>(first.y()) - kBefore;
+    const auto& across = weights_[std::lround((place.x() - first.x()) * kPhases)];
+    const auto& down = weights_[std::lround((place.y() - first.y()) * kPhases)];
+    const bool is_inside = u >= 0 && v >= 0 && u + kTaps <= image.cols && v + kTaps <= image.rows;
+    float sum = 0;
+    for (int j = 0; j < kTaps; ++j) {
+      const uint8_t* const row = image.ptr<uint8_t>(std::clamp(v + j, 0, image.rows - 1));
+      float of_row = 0;
+      for (int i = 0; i < kTaps; ++i) {
+        of_row += across[i] * row[is_inside ? u + i : std::clamp(u + i, 0, image.cols - 1)];
+      }
+      sum += down[j] * of_row;
+    }
+    return cv::saturate_cast<uint8_t>(sum);
+  }
+
+ private:
+  static constexpr int kTaps = 8;
+  static constexpr int kBefore = 3;  // of them before the place
+  static constexpr int kPhases = 1024;
+
+  static double sinc(double x) {
+    const double angle = std::numbers::pi * x;
+    return x == 0 ? 1 : std::sin(angle) / angle;
+  }
+
+  std::array<std::array<float, kTaps>, kPhases + 1> weights_;
+};
 
 /// The derivative of the pixel by the ray (x/z, y/z).
 Eigen::Matrix2d pixel_by_ray(const Camera& camera, const Eigen::Vector2d& ray) {
@@ -55,7 +107,8 @@ ImageLine under(const Eigen::Matrix2d& change, ImageLine line) {
 }  // namespace
 
 std::optional<StraightWindow> StraightWindow::about(const Eigen::Vector2d& pixel,
-                                                    const Camera& camera, const cv::Mat& image) {
+                                                    const Camera& camera, const cv::Mat& image,
+                                                    int half_px) {
   if (is_pinhole(camera.lens)) return std::nullopt;
   const auto ray = normalised_from_pixel(camera, pixel);
   if (!ray) return std::nullopt;
@@ -65,7 +118,7 @@ std::optional<StraightWindow> StraightWindow::about(const Eigen::Vector2d& pixel
   window.lens_ = camera;
   // Where the lens does not turn the image either, pixels stay whole ones.
   const Eigen::Vector2d part = pixel.array() - pixel.array().floor();
-  window.feature_ = Eigen::Vector2d(kHalfPx, kHalfPx) + part;
+  window.feature_ = Eigen::Vector2d(half_px, half_px) + part;
   window.pinhole_ = pinhole_of(by_ray, *ray, window.feature_);
 
   const Eigen::Matrix2d turn = window.in_image_by_pixel(window.feature_);
@@ -77,21 +130,13 @@ std::optional<StraightWindow> StraightWindow::about(const Eigen::Vector2d& pixel
   }
   if (!(bent_px > kLeastBentPx)) return std::nullopt;
 
-  const cv::Rect seen = window.seen_part({0, 0, 2 * kHalfPx + 1, 2 * kHalfPx + 1}, image.size());
+  const cv::Rect seen = window.seen_part({0, 0, 2 * half_px + 1, 2 * half_px + 1}, image.size());
   if (seen.empty()) return std::nullopt;
+  window.image_ = window.interpolated(seen, image);
   window.feature_ -= Eigen::Vector2d(seen.x, seen.y);
   window.pinhole_ = pinhole_of(by_ray, *ray, window.feature_);
   window.pinhole_.width_px = seen.width;
   window.pinhole_.height_px = seen.height;
-  cv::Mat u(seen.size(), CV_32F), v(seen.size(), CV_32F);
-  for (int y = 0; y < seen.height; ++y) {
-    for (int x = 0; x < seen.width; ++x) {
-      const Eigen::Vector2d place = window.in_image(Eigen::Vector2d(x, y));
-      u.at<float>(y, x) = static_cast<float>(place.x());
-      v.at<float>(y, x) = static_cast<float>(place.y());
-    }
-  }
-  cv::remap(image, window.image_, u, v, cv::INTER_LANCZOS4, cv::BORDER_REPLICATE);
   return window;
 }
 
@@ -167,7 +212,6 @@ bool StraightWindow::is_seen(const Eigen::Vector2d& pixel, const cv::Size& image
 
 cv::Rect StraightWindow::seen_part(cv::Rect window, const cv::Size& image) const {
   constexpr int kStepPx = 4;
-  constexpr int kLeastPx = 16;
   const auto unseen = [&](const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     const int count = static_cast<int>((to - from).norm()) / kStepPx;
     int unseen_count = 0;
@@ -176,20 +220,45 @@ cv::Rect StraightWindow::seen_part(cv::Rect window, const cv::Size& image) const
     }
     return unseen_count;
   };
-  while (std::min(window.width, window.height) >= kLeastPx) {
+  for (;;) {
     const double left = window.x, right = window.x + window.width - 1;
     const double top = window.y, bottom = window.y + window.height - 1;
-    const std::array sides = {
-        unseen({left, top}, {left, bottom}), unseen({right, top}, {right, bottom}),
-        unseen({left, top}, {right, top}), unseen({left, bottom}, {right, bottom})};
-    const auto worst = std::ranges::max_element(sides);
-    if (*worst == 0) return window;
+    struct Side {
+      int unseen;
+      double room_px;  // from the feature
+    };
+    const std::array<Side, 4> sides = {{
+        {unseen({left, top}, {left, bottom}), feature_.x() - left},
+        {unseen({right, top}, {right, bottom}), right - feature_.x()},
+        {unseen({left, top}, {right, top}), feature_.y() - top},
+        {unseen({left, bottom}, {right, bottom}), bottom - feature_.y()},
+    }};
+    // The window is turned against the image's border, so that two sides may both be unseen in
+    // part: the one that is farther from the feature is moved, where both are alike.
+    const auto worst = std::ranges::max_element(sides, {}, [](const Side& side) {
+      return side.room_px < kLeastHalfPx + kStepPx ? 0.0 : side.unseen * side.room_px;
+    });
+    const bool is_seen_all =
+        std::ranges::all_of(sides, [](const Side& s) { return s.unseen == 0; });
+    if (is_seen_all) return window;
+    if (worst->unseen == 0 || worst->room_px < kLeastHalfPx + kStepPx) return {};
     const auto side = worst - sides.begin();
     if (side == 0) window.x += kStepPx;
     if (side == 2) window.y += kStepPx;
     (side < 2 ? window.width : window.height) -= kStepPx;
   }
-  return {};
+}
+
+cv::Mat StraightWindow::interpolated(const cv::Rect& window, const cv::Mat& image) const {
+  static const Lanczos kLanczos;
+  cv::Mat pixels(window.size(), CV_8U);
+  for (int v = 0; v < window.height; ++v) {
+    uint8_t* const row = pixels.ptr<uint8_t>(v);
+    for (int u = 0; u < window.width; ++u) {
+      row[u] = kLanczos.at(image, in_image(Eigen::Vector2d(window.x + u, window.y + v)));
+    }
+  }
+  return pixels;
 }
 
 }  // namespace sightline

@@ -20,11 +20,13 @@ namespace sightline {
 
 class StraightWindow {
  public:
-  /// The surroundings of a pixel of an image (CV_8U). None where straight edges look straight there
-  /// anyway, to a fiftieth of a pixel; where the lens cannot be undone; or where too little of them
-  /// lies on the image.
+  /// The surroundings of a pixel of an image (CV_8U), as far as `half_px` to each side and no
+  /// farther than the image goes. None where straight edges look straight there anyway, to a
+  /// fiftieth of a pixel; where the lens cannot be undone; or so near to the image's border that
+  /// less than kLeastHalfPx of them would be left on one side.
   static std::optional<StraightWindow> about(const Eigen::Vector2d& pixel, const Camera& camera,
-                                             const cv::Mat& image);
+                                             const cv::Mat& image, int half_px);
+  static constexpr int kLeastHalfPx = 6;
 
   const cv::Mat& image() const { return image_; }
 
@@ -44,8 +46,11 @@ class StraightWindow {
   /// Whether the lens shows that pixel of the window, and on an image of this size.
   bool is_shown(const Eigen::Vector2d& pixel) const;
   bool is_seen(const Eigen::Vector2d& pixel, const cv::Size& image) const;
-  /// The part of a rectangle of the window that is.
+  /// The part of a rectangle of the window that is, with the feature in it; empty where there is
+  /// too little.
   cv::Rect seen_part(cv::Rect window, const cv::Size& image) const;
+  /// A rectangle of the window, its pixels interpolated from the image.
+  cv::Mat interpolated(const cv::Rect& window, const cv::Mat& image) const;
 
   Camera lens_;
   Camera pinhole_;           ///< its pixels are the window's

@@ -53,7 +53,7 @@ const Rooms kEvalRooms = {
      {"output", "records", "statistics", "study", "summary", "tables", "target", "trial"}},
     {"tables", {"output", "study", "summary"}},
     {"target", {"output", "statistics", "study"}},
-    {"summary", {"records", "statistics", "study"}},
+    {"summary", {"output", "records", "statistics", "study"}},
     {"results", {"output", "records", "study", "work"}},
     {"trial", {"datasets", "doors", "metrics", "records", "statistics", "study"}},
     {"study", {"datasets", "doors", "output", "records"}},

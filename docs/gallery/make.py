@@ -53,8 +53,10 @@ def frames(program, name, folder):
     out = folder / name
     done = subprocess.run([program, "render", name, "--count", str(FRAMES[-1] + 1), "--out", str(out), "--quiet"],
                           capture_output=True, text=True)
-    if done.returncode != 0:
+    if "needs a study of rendered images" in done.stderr:
         return None
+    if done.returncode != 0:
+        sys.exit(f"sightline render {name}: {done.stderr}")
     files = sorted(out.glob("test/*/rgb/*.png")) or sorted(out.glob("test/*/gray/*.png"))
     squares = []
     for i in FRAMES:

@@ -199,12 +199,17 @@ bool has_picture(std::span<const Sighting> sightings, int scene_id, int im_id) {
   if (of_scene == sightings.end()) return false;
   const fs::path folder = of_scene->picture.parent_path();
   if (!numbered_picture(folder, {im_id}).empty()) return true;
-  for (const char* kind : {".rgb", ".gray"}) {  // of the imagewise format
-    if (!picture_named(folder, fmt::format("{:06}_{:06}{}", scene_id, im_id, kind)).empty()) {
-      return true;
-    }
+  // Of the imagewise format, whose keys may have fewer digits, and no scene where that is 0.
+  std::vector<std::string> keys = {fmt::format("{:06}_{:06}", scene_id, im_id),
+                                   fmt::format("{}_{}", scene_id, im_id)};
+  if (scene_id == 0) {
+    keys.push_back(fmt::format("{:06}", im_id));
+    keys.push_back(std::to_string(im_id));
   }
-  return false;
+  return std::ranges::any_of(keys, [&folder](const std::string& key) {
+    return !picture_named(folder, key + ".rgb").empty() ||
+           !picture_named(folder, key + ".gray").empty();
+  });
 }
 
 Pose pose_in_metres(const BopEstimate& estimate, const Eigen::Matrix3d& target_from_model) {

@@ -53,6 +53,9 @@ std::string difference(const std::string& there, const std::string& asked) {
       return fmt::format("was begun with {} {}, not {}", key, before.dump(), value.dump());
     }
   }
+  for (const auto& [key, value] : a.items()) {
+    if (!b.contains(key)) return fmt::format("was begun with {} {}", key, value.dump());
+  }
   return "was begun with another manifest";
 }
 
@@ -92,8 +95,9 @@ void claim(const SetPlan& plan, const fs::path& folder, bool is_resumed) {
   const std::string there = text_of(manifest);
   const bool is_longer = is_resumed && is_beginning(there, plan);
   if (!is_longer && there != manifest_of(plan)) {
+    const char* const hint = is_beginning(there, plan) ? "; --resume makes it longer" : "";
     throw InputError(
-        fmt::format("--out {}: {}", folder.string(), difference(there, manifest_of(plan))));
+        fmt::format("--out {}: {}{}", folder.string(), difference(there, manifest_of(plan)), hint));
   }
   if (text_of(scene) != plan.study.toml) {
     throw InputError(fmt::format("--out {}: was begun with other keys of the scene {}",
@@ -196,8 +200,10 @@ SetResult render_set(const SetPlan& plan, const SetOptions& options) {
         render_share(plan, folder, share, tick);
       });
     }
-    result.is_complete = is_all_done(plan, folder);
     const SetLock::Alone alone(lock);
+    // Another process may have begun to make the set longer.
+    const bool is_ours = text_of(folder / "sightline.json") == manifest_of(plan);
+    result.is_complete = is_ours && is_all_done(plan, folder);
     if (result.is_complete) result.failed = join_set(plan, folder);
   } catch (const Interrupted&) {
     throw Interrupted("interrupted; finished images are kept for --resume");

@@ -20,6 +20,7 @@ namespace sightline {
 namespace {
 
 constexpr int kMostLists = 10'000'000;  // and objects: each takes some ten times its text
+constexpr int kMostValues = 50'000'000;
 constexpr int kDeepest = 100;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
@@ -114,7 +115,7 @@ Json read_json(const std::filesystem::path& file) {
   std::string text = read_input_file(file, kMostInputBytes);
   if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
   text = with_null_for_no_numbers(std::move(text));
-  int lists = 0;
+  int lists = 0, values = 0;
   const auto check_bounds = [&](int depth, Json::parse_event_t event, const Json&) {
     pause_at_times();
     if (depth > kDeepest) {
@@ -122,9 +123,13 @@ Json read_json(const std::filesystem::path& file) {
     }
     using Event = Json::parse_event_t;
     lists += event == Event::array_start || event == Event::object_start;
-    if (lists <= kMostLists) return true;
-    throw InputError(
-        fmt::format("{}: has more than {} lists and objects", file.string(), kMostLists));
+    values += event == Event::value;
+    if (lists > kMostLists) {
+      throw InputError(
+          fmt::format("{}: has more than {} lists and objects", file.string(), kMostLists));
+    }
+    if (values <= kMostValues) return true;
+    throw InputError(fmt::format("{}: has more than {} values", file.string(), kMostValues));
   };
   try {
     return Json::parse(text, check_bounds);

@@ -71,6 +71,11 @@ bool is_plain_in_shell(char c) {
   return is_letter || (c >= '0' && c <= '9') || kOthers.find(c) != std::string_view::npos;
 }
 
+// Whether a character beside digits says that they are of a name, as of a file.
+bool is_of_name(char c) {
+  return c == '/' || c == '_' || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+}
+
 // The text without the middle of numbers that nobody reads to their end.
 std::string with_short_numbers(std::string_view text) {
   constexpr size_t kLongest = 40;
@@ -82,7 +87,9 @@ std::string with_short_numbers(std::string_view text) {
     out += text.substr(0, others);
     text.remove_prefix(others);
     const size_t digits = std::min(text.find_first_not_of(kDigits), text.size());
-    const bool is_long = digits > kLongest;
+    const bool is_named = (!out.empty() && is_of_name(out.back())) ||
+                          (digits < text.size() && is_of_name(text[digits]));
+    const bool is_long = digits > kLongest && !is_named;
     out += text.substr(0, is_long ? kKept : digits);
     if (is_long) out += "... (" + std::to_string(digits) + " digits)";
     text.remove_prefix(digits);

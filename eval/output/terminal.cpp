@@ -97,7 +97,7 @@ bool has_word(std::string_view line, std::string_view word) {
   if (place == std::string_view::npos) return false;
   const bool begins = place == 0 || line[place - 1] == ' ';
   const size_t end = place + word.size();
-  return begins && (end == line.size() || line[end] == ' ');
+  return begins && (end == line.size() || line[end] == ' ' || line[end] == ':');
 }
 
 // The colour of a line that is no table's head; none for most.

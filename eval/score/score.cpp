@@ -16,6 +16,7 @@
 #include "eval/metrics/vsd.h"
 #include "eval/score/measures.h"
 #include "eval/statistics/bootstrap.h"
+#include "eval/statistics/rate_interval.h"
 #include "pose/attitude.h"
 #include "pose/camera.h"
 #include "renderer/truth.h"
@@ -222,7 +223,7 @@ BopRate rate_over(std::span<const BopTarget* const> targets, const IsGood& is_go
                                    [&](const BopTarget* t) { return is_good(*t); });
   const auto all = static_cast<int64_t>(targets.size());
   if (all == 0) return {};
-  return {static_cast<double>(count) / static_cast<double>(all), wilson_interval(count, all)};
+  return {static_cast<double>(count) / static_cast<double>(all), rate_interval(count, all)};
 }
 
 ErrorSummary summary_of(std::span<const BopTarget* const> targets, double BopPair::*error,

@@ -19,6 +19,7 @@
 #include "eval/report/page_text.h"
 #include "eval/score/measures.h"
 #include "eval/score/score_pictures.h"
+#include "eval/statistics/rate_interval.h"
 
 namespace sightline {
 namespace {
@@ -81,7 +82,7 @@ ChartSeries recall_series(const std::string& label, int style,
   ChartSeries series{.label = label, .style = style};
   for (int i = 0; i < kBopThresholds; ++i) {
     const auto good = std::llround(recalls[i] * static_cast<double>(targets));
-    const Interval95 ci95 = wilson_interval(good, targets);
+    const Interval95 ci95 = rate_interval(good, targets);
     series.x.push_back(x(i));
     series.y.push_back(100 * recalls[i]);
     series.low.push_back(100 * ci95[0]);
@@ -98,8 +99,8 @@ Chart recall_chart(const ScoredResults& input, const std::string& id, const std:
   Chart chart;
   chart.id = chart.group = "recall-" + id;
   chart.title = fmt::format("Instances found, by the {} allowed", error);
-  chart.note =
-      "Bands: 95 % of the rate (Wilson). The mean over the thresholds is AR_" + error + ".";
+  chart.note = "Bands: 95 % of the rate (modified Wilson). The mean over the thresholds is AR_" +
+               error + ".";
   chart.x.label = fmt::format("{} allowed, {}", error, unit);
   chart.y = {.label = "recall, %", .low = 0, .high = 100};
   const auto summaries = summaries_of(input.scores);

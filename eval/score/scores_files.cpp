@@ -184,7 +184,7 @@ std::string scores_json(const ScoredResults& scored) {
                      {"ignored_estimates", scored.scores.ignored_estimates},
                      {"all", summary_json(summarise(scored.scores))},
                      {"objects", objects}};
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 std::string scores_json(std::span<const MethodScores> methods) {
@@ -198,7 +198,7 @@ std::string scores_json(std::span<const MethodScores> methods) {
     scores.update(Json::parse(scores_json(method.scored)));
     json["methods"].push_back(std::move(scores));
   }
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 void write_errors_csv(const ScoredResults& scored, std::ostream& out) {

@@ -166,7 +166,7 @@ std::string json_of(const PoseProblem& problem, const PoseEstimate& estimate) {
       json["second_cam_from_target"] = pose_json(*estimate.second_cam_from_target);
     }
   }
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 std::string text_of(const PoseProblem& problem, const PoseMinima& minima,
@@ -200,7 +200,7 @@ std::string json_of(const PoseProblem& problem, const PoseMinima& minima,
          {"cost", minimum.cost},
          {"residual_rms_px", residual_rms(problem, minima, left_out, minimum)}});
   }
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 std::string text_of(const RobustAlignment& alignment) {
@@ -239,7 +239,7 @@ std::string json_of(const RobustAlignment& alignment) {
     json["noise_m"] = alignment.sigma_m;
     json["is_significant"] = alignment.is_significant;
   }
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 }  // namespace sightline

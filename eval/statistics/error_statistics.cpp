@@ -101,20 +101,26 @@ Measured ErrorStatistics::median() const {
   return {quantile_of(sorted, 0.5), quantile_interval(sorted, 0.5)};
 }
 
+Measured ErrorStatistics::mean_of(uint64_t seed, std::string_view stream) const {
+  if (errors_.count == 0) return {};
+  if (!bins_.empty() || values_.size() > kMostValuesToResample) {
+    return {errors_.mean, errors_.mean_interval()};
+  }
+  std::vector<double> capped = values_;
+  for (double& error : capped) error = std::min(error, cap_);
+  return {errors_.mean, bca_mean_interval(capped, seed, stream)};
+}
+
 ErrorSummary ErrorStatistics::summary(uint64_t seed, std::string_view stream) const {
   ErrorSummary summary;
   if (errors_.count == 0) return summary;
-  if (bins_.empty() && values_.size() <= kMostValuesToResample) {
-    std::vector<double> capped = values_;
-    for (double& error : capped) error = std::min(error, cap_);
-    summary.mean_ci95 = bca_mean_interval(capped, seed, stream);
-  } else {
-    summary.mean_ci95 = errors_.mean_interval();
-  }
+  summary.resampled_mean_ci95 = mean_of(seed, stream).ci95;
   // The next error may be beyond all of these, and nothing in them says how far.
   Moments with_one_more = errors_;
   with_one_more.add(errors_.greatest);
-  summary.mean_ci95[1] = std::max(summary.mean_ci95[1], with_one_more.mean_interval()[1]);
+  summary.mean_ci95 = summary.resampled_mean_ci95;
+  summary.mean_ci95[1] =
+      std::min(cap_, std::max(summary.mean_ci95[1], with_one_more.mean_interval()[1]));
   std::vector<double> sorted = values_;
   std::sort(sorted.begin(), sorted.end());
   summary.mean = errors_.mean;

@@ -20,8 +20,11 @@ struct ErrorSummary {
   /// BCa bootstrap interval of that mean, its upper end at least that of the same errors with one
   /// more of the greatest: of a hundred trials the next errs more than all in one case of a
   /// hundred, and nothing of them says by how much. Without it the interval held 83 to 87 of 100
-  /// times where two trials of a hundred err by far; with it 90.
+  /// times where two trials of a hundred err by far; with it 90. Never
+  /// above the cap, which no mean can exceed.
   Interval95 mean_ci95 = kNoInterval;
+  /// The same without that error: its width falls with the root of the number of trials.
+  Interval95 resampled_mean_ci95 = kNoInterval;
   double median = kNone;  ///< a failure counting as infinite: infinite where half or more failed
   Interval95 median_ci95 = kNoInterval;  ///< of order statistics (quantile_ranks)
   double rms = kNone;                    ///< capped as the mean
@@ -44,6 +47,8 @@ class ErrorStatistics {
   void add(double error);
   /// `stream` names the bootstrap's random stream, so that results repeat.
   ErrorSummary summary(uint64_t seed, std::string_view stream) const;
+  /// The mean of the capped numbers and its BCa interval, of numbers of any sign.
+  Measured mean_of(uint64_t seed, std::string_view stream) const;
   /// The p-th quantile as percentile() has it; NaN of nothing.
   double quantile(double p) const;
   /// The median and its interval, as summary() has them.

@@ -62,9 +62,8 @@ std::optional<std::array<double, 2>> mean_log_errors(const Matrix6& covariance, 
 }
 
 Measured factor_of(const ErrorStatistics& growth, uint64_t seed, const std::string& stream) {
-  const ErrorSummary logarithms = growth.summary(seed, stream);
-  return {std::exp(logarithms.mean),
-          {std::exp(logarithms.mean_ci95[0]), std::exp(logarithms.mean_ci95[1])}};
+  const Measured logarithm = growth.mean_of(seed, stream);
+  return {std::exp(logarithm.value), {std::exp(logarithm.ci95[0]), std::exp(logarithm.ci95[1])}};
 }
 
 }  // namespace

@@ -258,7 +258,7 @@ std::optional<int64_t> trials_needed(const CellSummary& cell, double target) {
   const ErrorSummary& angle = has_theta ? cell.theta_error_deg : cell.geodesic_deg;
   for (const ErrorSummary* error : {&angle, &cell.t_error_percent}) {
     if (error->mean < kRoundingAlone) continue;
-    const auto needed = trials_for(target, cell.trials, error->mean, error->mean_ci95);
+    const auto needed = trials_for(target, cell.trials, error->mean, error->resampled_mean_ci95);
     if (needed && (!most || *needed > *most)) most = needed;
   }
   return most;

@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "eval/output/json.h"
+
 namespace sightline {
 namespace {
 
@@ -170,7 +172,7 @@ std::string to_json(const Study& study, const Summary& summary) {
   Json json = {{"study", study.name}, {"seed", study.seed}};
   json["cells"] = Json::array();
   for (const CellSummary& cell : summary.cells) json["cells"].push_back(cell_json(study, cell));
-  if (study.orientation() != nullptr) return json.dump(2) + "\n";
+  if (study.orientation() != nullptr) return json_text(json);
   json["observations"] = Json::array();
   for (const CellObservations& cell : summary.observations) {
     json["observations"].push_back(observations_json(study, cell));
@@ -180,7 +182,7 @@ std::string to_json(const Study& study, const Summary& summary) {
     json["features"].push_back(feature_json(study, feature));
   }
   if (summary.extraction) json["extraction"] = Json::parse(to_json(study, *summary.extraction));
-  return json.dump(2) + "\n";
+  return json_text(json);
 }
 
 }  // namespace sightline

@@ -29,10 +29,10 @@ std::vector<ImageBoundRow> image_bound_rows(const Study& study, int scenes);
 /// a logarithmic scale.
 std::string image_bound_table(const std::string& title, const std::vector<ImageBoundRow>& rows);
 
-/// The rows as CSV.
 /// The same as JSON.
 std::string image_bound_json(const std::string& title, const std::vector<ImageBoundRow>& rows);
 
+/// The rows as CSV.
 std::string image_bound_csv(const std::vector<ImageBoundRow>& rows);
 
 }  // namespace sightline

@@ -183,10 +183,6 @@ std::string write_coarser(const Target& target, const TargetArguments& arguments
                      arguments.coarser, coarser.triangles.size(), target.mesh.triangles.size());
 }
 
-}  // namespace
-
-namespace {
-
 std::shared_ptr<const Target> target_with_mesh(const std::string& name, const MeshUse& use) {
   std::shared_ptr<const Target> target = load_target(name, use);
   if (const std::string reason = why_not_renderable(*target); !reason.empty()) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "eval/statistics/statistics.h"
@@ -43,30 +44,33 @@ bool shows_target(const cv::Mat& body_ids, const std::vector<Eigen::Vector2d>& p
   return 2 * static_cast<size_t>(count) >= pixels.size();
 }
 
-// Where a pixel would be if the camera had no lens; itself where that cannot be said.
-Eigen::Vector2d without_lens(const Camera& camera, const Eigen::Vector2d& pixel) {
-  if (is_pinhole(camera.lens)) return pixel;
-  Camera pinhole = camera;
-  pinhole.lens = {};
+// How far a pixel is from the image of a straight edge, of which two points are given as rays. A
+// lens bends the edge: the distance is that without it, in the pixels that the lens makes of it
+// there.
+double distance_px(const Camera& camera, const Eigen::Vector2d& pixel,
+                   const std::array<Eigen::Vector2d, 2>& edge) {
   const auto ray = normalised_from_pixel(camera, pixel);
-  return ray ? pixel_from_normalised(pinhole, *ray) : pixel;
+  if (!ray) return std::numeric_limits<double>::infinity();
+  const Eigen::Vector2d focal(camera.fx_px, camera.fy_px);
+  const Eigen::Vector2d along = focal.cwiseProduct(edge[1] - edge[0]);
+  const Eigen::Vector2d normal = Eigen::Vector2d(-along.y(), along.x()).normalized();
+  const double without_lens = normal.dot(focal.cwiseProduct(*ray - edge[0]));
+  if (is_straight(camera)) return without_lens;
+  const Eigen::Matrix2d lens = lens_jacobian(camera, *ray);
+  return without_lens / (lens.inverse().transpose() * normal).norm();
 }
 
-// RMS distance of a line's edge pixels from the image of a straight edge, without the lens, which
-// bends it.
+// RMS distance of a line's edge pixels from the image of an edge.
 double distance_px(const ImageLine& line, const Scene& scene, const Edge& edge) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Camera pinhole = scene.camera;
-  pinhole.lens = {};
-  const auto begin = project(pinhole, scene.cam_from_target * edge.begin_m);
-  const auto end = project(pinhole, scene.cam_from_target * edge.end_m);
-  if (!begin || !end || line.edge_pixels.empty()) return kInfinity;
-  const Eigen::Vector2d along = *end - *begin;
-  if (!(along.norm() > 0)) return kInfinity;
-  const Eigen::Vector2d normal = Eigen::Vector2d(-along.y(), along.x()).normalized();
+  const Eigen::Vector3d begin = scene.cam_from_target * edge.begin_m;
+  const Eigen::Vector3d end = scene.cam_from_target * edge.end_m;
+  if (!(begin.z() > 0) || !(end.z() > 0) || line.edge_pixels.empty()) return kInfinity;
+  const std::array<Eigen::Vector2d, 2> rays = {begin.hnormalized(), end.hnormalized()};
+  if (!((rays[1] - rays[0]).norm() > 0)) return kInfinity;
   double sum = 0;
   for (const Eigen::Vector2d& pixel : line.edge_pixels) {
-    const double distance = normal.dot(without_lens(scene.camera, pixel) - *begin);
+    const double distance = distance_px(scene.camera, pixel, rays);
     sum += distance * distance;
   }
   return std::sqrt(sum / static_cast<double>(line.edge_pixels.size()));

@@ -47,7 +47,7 @@ std::optional<int> variable(const ProcessVariables& environment, const char* nam
   const std::optional<int> number = whole_number(value);
   if (number) return number;
   throw InputError(
-      fmt::format("--shard auto: {} is '{}', must be a whole number below 2^31", name, value));
+      fmt::format("--shard: {} is '{}', must be a whole number below 2^31", name, value));
 }
 
 ShardChoice checked(const std::string& text, const std::string& source, int index, int count) {

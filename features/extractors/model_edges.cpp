@@ -184,25 +184,32 @@ constexpr double kSoftPx = 0.2;
 
 void add_floor(double sd_px, ImageLine& line) {
   const double half_px = std::max(1.0, seen_stretch(line).half_length_px());
+  const double middle_px = line.direction.dot(seen_middle(line) - line.point);
   const double variance_px2 = sd_px * sd_px / 2;  // at the middle, which is the mean of both ends
-  line.covariance(0, 0) += variance_px2;
-  line.covariance(1, 1) += variance_px2 / (half_px * half_px);
+  const double of_slope = variance_px2 / (half_px * half_px);
+  Eigen::Matrix2d floor;
+  floor << variance_px2 + middle_px * middle_px * of_slope, -middle_px * of_slope,
+      -middle_px * of_slope, of_slope;
+  line.covariance += floor;
 }
 
 // What the lines say of their edges: all that they say where they did not make a feature, and what
 // they say beyond it where they did. A line that few samples of its edge support is left out.
-std::vector<EdgeLine> edge_lines_of(const std::vector<FoundLine>& found,
+std::vector<EdgeLine> edge_lines_of(const ExtractionInput& input,
+                                    const std::vector<FoundLine>& found,
                                     const Observation& observation) {
   constexpr double kLeastSupport = 0.6;
-  // From the middle of its edge pixels, how far off a line's slope still counts.
-  constexpr double kFarthestPx = 400;
+  // From the middle of its edge pixels, how far off a line's slope still counts. Where the image is
+  // looked at through a lens (StraightWindow was none), an edge is straight no farther than it was
+  // seen.
+  const double most_px = is_pinhole(input.view.camera.lens) ? 400 : 20;
   std::vector<EdgeLine> edge_lines;
   for (size_t i = 0; i < found.size(); ++i) {
     if (found[i].support < kLeastSupport) continue;
     std::optional<ImageLine> line = observation.lines[i];
     if (observation.status == ObservationStatus::kFound) {
       if (found[i].is_soft) add_floor(kSoftPx, *line);
-      line = beyond_offset_at(*line, observation.pixel, kFarthestPx);
+      line = beyond_offset_at(*line, observation.pixel, most_px);
     } else {
       add_floor(kAlonePx, *line);
     }
@@ -212,10 +219,10 @@ std::vector<EdgeLine> edge_lines_of(const std::vector<FoundLine>& found,
 }
 
 // What the only edge that is to be seen says.
-std::vector<EdgeLine> only_line(const ModelLines& model) {
+std::vector<EdgeLine> only_line(const ExtractionInput& input, const ModelLines& model) {
   Observation alone;
   for (const FoundLine& found : best_lines(model)) alone.lines.push_back(found.line);
-  return edge_lines_of(best_lines(model), alone);
+  return edge_lines_of(input, best_lines(model), alone);
 }
 
 // The observation found where the best lines meet, each refitted around the place where they met
@@ -227,7 +234,7 @@ Observation intersected(const ExtractionInput& input, const ModelLines& model,
   for (const FoundLine& line : found) lines.push_back(line.line);
   observation = found_at_meeting(std::move(observation), std::move(lines), kLeastMeetingDeg);
   if (observation.status != ObservationStatus::kFound) {
-    observation.edge_lines = edge_lines_of(found, observation);
+    observation.edge_lines = edge_lines_of(input, found, observation);
     return observation;
   }
   lines = observation.lines;
@@ -242,7 +249,7 @@ Observation intersected(const ExtractionInput& input, const ModelLines& model,
   if (observation.status == ObservationStatus::kFound && is_loose(input, observation)) {
     observation.status = ObservationStatus::kParallelLines;
   }
-  observation.edge_lines = edge_lines_of(found, observation);
+  observation.edge_lines = edge_lines_of(input, found, observation);
   return observation;
 }
 
@@ -288,7 +295,7 @@ Searched search(const ExtractionInput& input) {
     return {intersected(input, *model, std::move(observation))};
   }
   observation.status = ObservationStatus::kNoOutline;
-  if (model) observation.edge_lines = only_line(*model);
+  if (model) observation.edge_lines = only_line(input, *model);
   return {std::move(observation)};
 }
 

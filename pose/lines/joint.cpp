@@ -270,9 +270,14 @@ kernel::Fit fit_all(const Joint& joint, const Pose& start, int max_iterations,
     has_all = true;
     return fitted;
   }
-  const kernel::Fit near =
+  kernel::Fit near =
       fit(joint, {}, pose_by_crossings(joint, start), max_iterations, step_tolerance);
-  if (near.status != kernel::FitStatus::kStartBehindCamera) fitted = near;
+  near.iterations += fitted.iterations;
+  const bool is_none = fitted.status == kernel::FitStatus::kStartBehindCamera;
+  const bool is_near_one = near.status != kernel::FitStatus::kStartBehindCamera;
+  const bool is_better = is_near_one && (near.status == kernel::FitStatus::kConverged ||
+                                         near.model.cost < fitted.model.cost);
+  if (is_near_one && (is_none || is_better)) fitted = near;
   has_all = fitted.status != kernel::FitStatus::kStartBehindCamera;
   return fitted;
 }

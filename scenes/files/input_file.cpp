@@ -17,6 +17,9 @@ namespace sightline {
 namespace {
 
 constexpr const char* kPacked = ".gz";
+/// What numbers and names pack to a hundredth of is made to fill the memory.
+constexpr uintmax_t kMostUnpacked = 100;
+constexpr uintmax_t kAlwaysUnpacked = uintmax_t{16} << 20;
 
 [[noreturn]] void fail_as_too_large(const std::filesystem::path& file, uintmax_t most_bytes) {
   throw InputError(
@@ -35,7 +38,10 @@ std::string lowered_ending(const std::filesystem::path& file) {
 class UnpackedBytes : public std::streambuf {
  public:
   UnpackedBytes(std::filesystem::path file, uintmax_t most_bytes)
-      : file_(std::move(file)), most_bytes_(most_bytes), packed_(gzopen(file_.c_str(), "rb")) {}
+      : file_(std::move(file)),
+        most_bytes_(most_bytes),
+        packed_size_(std::filesystem::file_size(file_)),
+        packed_(gzopen(file_.c_str(), "rb")) {}
   UnpackedBytes(const UnpackedBytes&) = delete;
   UnpackedBytes& operator=(const UnpackedBytes&) = delete;
   ~UnpackedBytes() override { gzclose_r(packed_); }
@@ -50,6 +56,10 @@ class UnpackedBytes : public std::streambuf {
     }
     total_ += static_cast<uintmax_t>(count);
     if (total_ > most_bytes_) fail_as_too_large(file_, most_bytes_);
+    if (total_ > kAlwaysUnpacked && total_ / kMostUnpacked > packed_size_) {
+      throw InputError(
+          fmt::format("{}: unpacks to more than {} times its size", file_.string(), kMostUnpacked));
+    }
     setg(block_.data(), block_.data(), block_.data() + count);
     return count == 0 ? traits_type::eof() : traits_type::to_int_type(block_.front());
   }
@@ -57,6 +67,7 @@ class UnpackedBytes : public std::streambuf {
  private:
   std::filesystem::path file_;
   uintmax_t most_bytes_;
+  uintmax_t packed_size_;
   uintmax_t total_ = 0;
   gzFile packed_;
   std::array<char, size_t{1} << 16> block_{};

@@ -31,6 +31,10 @@ bool do_overlap(const OrientedBox& a, const OrientedBox& b) {
     const Eigen::Vector3d face_a = a.half_axes.col((i + 1) % 3).cross(a.half_axes.col((i + 2) % 3));
     const Eigen::Vector3d face_b = b.half_axes.col((i + 1) % 3).cross(b.half_axes.col((i + 2) % 3));
     if (are_apart_along(face_a, a, b) || are_apart_along(face_b, a, b)) return false;
+    // Of two flat boxes in one plane only their own axes lie in it.
+    if (are_apart_along(a.half_axes.col(i), a, b) || are_apart_along(b.half_axes.col(i), a, b)) {
+      return false;
+    }
     for (int j = 0; j < 3; ++j) {
       if (are_apart_along(a.half_axes.col(i).cross(b.half_axes.col(j)), a, b)) return false;
     }

@@ -158,7 +158,7 @@ DrawnOthers draw_others(const std::vector<OtherLaw>& laws, const Camera& camera,
         if (draw == kMostDraws) {
           others.problem = fmt::format("body {} beside the target found no place apart in {} draws",
                                        others.bodies.size(), kMostDraws);
-          break;
+          return others;
         }
         body = draw_other(law, camera, cam_from_target.translation, stream);
       }

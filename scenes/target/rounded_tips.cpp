@@ -216,7 +216,6 @@ std::set<std::string> parts_about(const Mesh& mesh, const Vector3d& position_m, 
   std::set<std::string> names;
   for (const Triangle& triangle : mesh.triangles) {
     const std::string& name = mesh.parts[triangle.part].name;
-    if (is_moving_part(name)) continue;
     const bool is_near = std::ranges::any_of(
         triangle.vertex, [&](int v) { return (mesh.vertices[v] - position_m).norm() <= reach_m; });
     if (is_near) names.insert(name);
@@ -238,6 +237,7 @@ std::vector<Candidate> rounded_tips(const Mesh& mesh, const Occluder& occluder,
         occluder.distance_m(tip.position_m) + tip.spread_m / 2 + kSurfaceClearance * size_m;
     candidate.feature.reach_m = kTipReach * size_m;
     std::set<std::string> parts = parts_about(mesh, tip.position_m, kTipRadius * size_m);
+    std::erase_if(parts, is_moving_part);
     parts.insert(mesh.parts[tip.part].name);
     candidate.feature.parts.assign(parts.begin(), parts.end());
     features.push_back(candidate.feature);

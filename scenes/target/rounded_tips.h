@@ -19,8 +19,7 @@ namespace sightline {
 inline constexpr double kTipRadius = 0.03;
 inline constexpr double kTipReach = 0.05;
 
-/// The parts that have something within reach of a place, but for those that move: their outlines
-/// make the one there.
+/// The parts that have a vertex within reach of a place: their outlines make the one there.
 std::set<std::string> parts_about(const Mesh& mesh, const Eigen::Vector3d& position_m,
                                   double reach_m);
 

@@ -95,7 +95,7 @@ TEST(StraightWindow, GivesBackWhatWasFoundInIt) {
       predict_features(target, std::array{0}, camera, prior_of(pose, camera, {}));
   const FeaturePrediction& prediction = view.features.front();
   const cv::Mat image(kPlateImagePx, kPlateImagePx, CV_8U, cv::Scalar(0));
-  const auto window = StraightWindow::about(prediction.pixel, camera, image);
+  const auto window = StraightWindow::about(prediction.pixel, camera, image, 104);
   ASSERT_TRUE(window);
   const PredictedView straight = window->view_of(view, prediction);
   const auto here = [&](const Eigen::Vector3d& point) {
@@ -148,7 +148,7 @@ TEST(StraightWindow, TurnsTheSurroundingsOfItsPixel) {
                                               prior_of(plate_pose(20), camera, {}));
   const cv::Mat image(kPlateImagePx, kPlateImagePx, CV_8U, cv::Scalar(0));
   for (const FeaturePrediction& prediction : view.features) {
-    const auto window = StraightWindow::about(prediction.pixel, camera, image);
+    const auto window = StraightWindow::about(prediction.pixel, camera, image, 104);
     ASSERT_TRUE(window);
     const Pose pose = view.cam_from_target;
     const Camera straight = window->view_of(view, prediction).camera;
@@ -168,33 +168,47 @@ TEST(StraightWindow, TurnsTheSurroundingsOfItsPixel) {
 TEST(StraightWindow, IsNoneWhereNothingIsBent) {
   const cv::Mat image(kPlateImagePx, kPlateImagePx, CV_8U, cv::Scalar(0));
   const Eigen::Vector2d pixel(40, 50);
-  EXPECT_TRUE(StraightWindow::about(pixel, bending_camera(), image));
-  EXPECT_FALSE(StraightWindow::about(pixel, plate_camera(), image));
+  EXPECT_TRUE(StraightWindow::about(pixel, bending_camera(), image, 104));
+  EXPECT_FALSE(StraightWindow::about(pixel, plate_camera(), image, 104));
   Camera camera = plate_camera();
   camera.lens = BrownConrady{.k1 = -0.01};
-  EXPECT_FALSE(StraightWindow::about(pixel, camera, image));
-  EXPECT_FALSE(StraightWindow::about({-500, 50}, bending_camera(), image));
+  EXPECT_FALSE(StraightWindow::about(pixel, camera, image, 104));
+  EXPECT_FALSE(StraightWindow::about({-500, 50}, bending_camera(), image, 104));
 }
 
-// It is cut where the image ends: extractors never see what is not there.
-TEST(StraightWindow, EndsWithTheImage) {
-  const Camera camera = bending_camera();
+// It is cut where the image ends, so that extractors never see what is not there, and its feature
+// is always well within it: also of a fisheye, whose images of the corners are turned.
+TEST(StraightWindow, EndsWithTheImageAndKeepsItsFeature) {
+  Camera camera = centred_camera(640, 480, 300);
+  camera.lens = KannalaBrandt{};
+  const cv::Mat image(camera.height_px, camera.width_px, CV_8U, cv::Scalar(90));
   const Target target = plate_target();
-  const cv::Mat image(kPlateImagePx, kPlateImagePx, CV_8U, cv::Scalar(90));
-  const PredictedView view =
-      predict_features(target, std::array{0}, camera, prior_of(plate_pose(0), camera, {}));
-  const FeaturePrediction& prediction = view.features.front();
-  const auto window = StraightWindow::about(prediction.pixel, camera, image);
-  ASSERT_TRUE(window);
-  const Camera straight = window->view_of(view, prediction).camera;
-  EXPECT_EQ(straight.width_px, window->image().cols);
-  EXPECT_EQ(straight.height_px, window->image().rows);
-  for (const double u : {0, straight.width_px - 1}) {
-    for (const double v : {0, straight.height_px - 1}) {
-      const auto ray = normalised_from_pixel(straight, {u, v});
-      EXPECT_TRUE(is_inside(camera, pixel_from_normalised(camera, *ray))) << u << ' ' << v;
+  PredictedView view{&target, camera, plate_pose(0), {}};
+  int windows = 0, asked = 0;
+  for (int u = 5; u < camera.width_px; u += 30) {
+    for (int v = 5; v < camera.height_px; v += 30) {
+      FeaturePrediction prediction;
+      prediction.pixel = {u + 0.3, v + 0.6};
+      const bool is_off_border = is_inside(camera, prediction.pixel, 40);
+      asked += is_off_border;
+      const auto window = StraightWindow::about(prediction.pixel, camera, image, 104);
+      if (!window) continue;
+      windows += is_off_border;
+      const PredictedView straight = window->view_of(view, prediction);
+      EXPECT_EQ(straight.camera.width_px, window->image().cols);
+      EXPECT_EQ(straight.camera.height_px, window->image().rows);
+      EXPECT_TRUE(
+          is_inside(straight.camera, straight.features[0].pixel, StraightWindow::kLeastHalfPx))
+          << u << ' ' << v;
+      for (const double x : {0, straight.camera.width_px - 1}) {
+        for (const double y : {0, straight.camera.height_px - 1}) {
+          const auto ray = normalised_from_pixel(straight.camera, {x, y});
+          EXPECT_TRUE(is_inside(camera, pixel_from_normalised(camera, *ray), 0)) << u << ' ' << v;
+        }
+      }
     }
   }
+  EXPECT_GT(windows, 0.97 * asked);
 }
 
 }  // namespace

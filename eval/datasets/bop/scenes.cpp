@@ -193,7 +193,7 @@ std::vector<BopImage> read_imagewise(const fs::path& folder, const AskedImages& 
     if (!is_asked(image.scene_id, image.im_id)) continue;
     const std::pair id{image.scene_id, image.im_id};
     const auto [place, is_new] = images.emplace(id, std::move(image));
-    if (is_new) continue;
+    if (is_new || place->second.key == key) continue;  // packed and unpacked side by side
     throw InputError(fmt::format("{}: has scene {} image {} twice, as {} and {}", folder.string(),
                                  id.first, id.second, place->second.key, key));
   }

@@ -188,7 +188,9 @@ void add_render(CLI::App& app, int& exit_code) {
   sub->add_flag("--dry-run", arguments->is_dry_run,
                 "Make a few images in memory and say what the set will take");
   sub->add_flag("--quiet", arguments->is_quiet, "No progress and no summary");
-  sub->add_flag("--json", arguments->is_json, "Print the summary, or what --verify finds, as JSON");
+  CLI::Option* json = sub->add_flag("--json", arguments->is_json,
+                                    "Print the summary, or what --verify finds, as JSON");
+  json->excludes(sub->get_option("--dry-run"));
   auto* verify = sub->add_option("--verify", arguments->verified,
                                  "Re-read the set in this folder and say what is missing, torn or "
                                  "inconsistent (exit code 1 if anything)");

@@ -93,7 +93,8 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
                   "Only say how many trials a condition needs for 95 % intervals of the means of "
                   "+- this part of them (0.05: 5 %), from a pilot of --trials [100] each")
       ->check(CLI::Range(1e-6, 1.0))
-      ->excludes(out);
+      ->excludes(out)
+      ->excludes(sub->get_option("--json"));
   sub->callback([arguments, command, &exit_code] {
     for (std::string& setting : mesh_settings(arguments->mesh)) {
       arguments->run.overrides.set.push_back(std::move(setting));

@@ -90,8 +90,10 @@ void add_target(CLI::App& app) {
       "Write a page to judge the features by into this .html: pictures from six sides, "
       "from where each is to be seen, how well it is found");
   CLI::Option* json = sub->add_flag("--json", changes->is_json, "Print JSON instead of the tables");
-  for (CLI::Option* writes : {picture, propose, decimate, drop, add, review})
-    json->excludes(writes);
+  CLI::Option* const theta = sub->get_option("--theta");
+  for (CLI::Option* other : {picture, theta, propose, decimate, drop, add, review}) {
+    json->excludes(other);
+  }
   sub->callback([arguments, changes] { run_target(*arguments, *changes); });
 }
 

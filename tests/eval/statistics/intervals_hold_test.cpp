@@ -5,6 +5,7 @@
 // the binomial law, and of means that a few trials make.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -86,6 +87,19 @@ TEST(MeanInterval, HoldsMoreOftenThanBcaWhereAFewErrByFar) {
   EXPECT_NEAR(held, 0.906 * kSets, 0.03 * kSets);
   EXPECT_NEAR(held_by_bca, 0.873 * kSets, 0.04 * kSets);
   EXPECT_GT(held, held_by_bca + 0.015 * kSets);
+}
+
+// Where nearly all failed, one more at the cap would put the mean's upper end beyond it.
+TEST(ErrorStatistics, TheMeansUpperEndIsAtMostTheCap) {
+  constexpr double kCap = 20;
+  ErrorStatistics errors(kCap);
+  errors.add(0);
+  for (int i = 0; i < 9; ++i) errors.add(std::numeric_limits<double>::infinity());
+  const ErrorSummary summary = errors.summary(1, "capped");
+  EXPECT_EQ(summary.mean, 18);
+  EXPECT_LE(summary.mean_ci95[1], kCap);
+  EXPECT_GT(summary.mean_ci95[1], summary.mean);
+  EXPECT_EQ(summary.mean_ci95[0], summary.resampled_mean_ci95[0]);
 }
 
 }  // namespace

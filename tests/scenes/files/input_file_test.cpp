@@ -58,6 +58,14 @@ TEST(InputFiles, AreBoundedByWhatTheyUnpackTo) {
               HasSubstr("bomb.gz: is larger than 0 MiB"));
 }
 
+// Blanks pack to a thousandth, as numbers and names never do.
+TEST(InputFiles, ThatUnpackToAHundredTimesTheirSizeAreRefused) {
+  const TemporaryFolder folder;
+  const fs::path bomb = packed(folder.path() / "bomb.gz", std::string(20 * kMiB, ' '));
+  EXPECT_THAT(error_of([&] { read_input_file(bomb, 100 * kMiB); }),
+              HasSubstr("bomb.gz: unpacks to more than 100 times its size"));
+}
+
 TEST(InputFiles, ThatArePackedAndDamagedAreSaid) {
   const TemporaryFolder folder;
   const std::string whole =

@@ -107,6 +107,14 @@ TEST(Others, BoxesOverlapWhereTheyDo) {
   }
 }
 
+TEST(Others, FlatBoxesInOnePlaneOverlapWhereTheyDo) {
+  const Eigen::Matrix3d half = Eigen::Vector3d(0.5, 0.5, 0).asDiagonal();
+  const OrientedBox plate{Eigen::Vector3d::Zero(), half};
+  EXPECT_FALSE(do_overlap(plate, {{1.01, 0, 0}, half}));
+  EXPECT_TRUE(do_overlap(plate, {{0.99, 0, 0}, half}));
+  EXPECT_FALSE(do_overlap(plate, {{0, 0, 0.01}, half}));
+}
+
 TEST(Others, MistakesGetOneClearLine) {
   EXPECT_THAT(law_error("[[other]]\ntarget = \"cub\""), HasSubstr("did you mean 'cube'"));
   EXPECT_THAT(law_error("[[other]]\ntarget = \"cube\"\ncount = 999"), HasSubstr("count"));
