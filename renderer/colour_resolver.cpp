@@ -65,7 +65,7 @@ ColourResolver::ColourResolver(const std::vector<PlacedBody>& bodies, const Scen
   EnvironmentLight* panorama = memory.environment_of(scene);
   for (size_t b = 0; b < bodies.size(); ++b) {
     shaders_.emplace_back(bodies[b], scene, panorama, shadow_on(bodies, b, scene),
-                          memory.skies.of(scene, bodies, b), memory.textures);
+                          memory.skies.of(b), memory.textures);
   }
   memory.planes.clear();
   memory.plane_index.assign(bodies.back().first_id + bodies.back().mesh->triangles.size(), 0);

@@ -102,7 +102,7 @@ Material grey_material(double albedo) {
 }  // namespace
 
 ColourShader::ColourShader(const PlacedBody& body, const Scene& scene, EnvironmentLight* panorama,
-                           std::unique_ptr<const Shadow> shadow, std::shared_ptr<const OpenSky> sky,
+                           std::unique_ptr<const Shadow> shadow, BodySky* sky,
                            TextureCache& textures)
     : hits_(body),
       light_(scene.light),
@@ -115,7 +115,7 @@ ColourShader::ColourShader(const PlacedBody& body, const Scene& scene, Environme
       second_colour_(factors_of(light_.second_colour, is_grey_)),
       body_from_cam_(body.cam_from_body.rotation.transpose()),
       shadow_(std::move(shadow)),
-      sky_(std::move(sky)) {
+      sky_(sky) {
   paints_.reserve(body.mesh->parts.size());
   for (const Part& part : body.mesh->parts) {
     paints_.push_back(paint_of(part, scene.colouring.draws_textures, textures));

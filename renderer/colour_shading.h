@@ -82,8 +82,7 @@ class ColourShader {
   /// `panorama` must outlive it; none where the scene has no environment. Shadow and sky as in
   /// Shader.
   ColourShader(const PlacedBody& body, const Scene& scene, EnvironmentLight* panorama,
-               std::unique_ptr<const Shadow> shadow, std::shared_ptr<const OpenSky> sky,
-               TextureCache& textures);
+               std::unique_ptr<const Shadow> shadow, BodySky* sky, TextureCache& textures);
 
   SurfacePlane plane_of(int triangle) const;
   /// `ray` is (x/z, y/z, 1) in the camera; one that misses is moved into the triangle.
@@ -135,7 +134,7 @@ class ColourShader {
   Eigen::Array4f colour_, second_colour_;  // white where the scene is grey
   Eigen::Matrix3d body_from_cam_;
   std::unique_ptr<const Shadow> shadow_;
-  std::shared_ptr<const OpenSky> sky_;
+  BodySky* sky_;
   std::vector<Paint> paints_;  // a part each
 };
 

@@ -18,6 +18,8 @@ constexpr int kCellTexels = 2;
 // A sheet is torn where it rises by more than this part of how steeply rays to the disc's rim do.
 constexpr double kTorn = 0.1;
 constexpr double kWidest = 1.0 / 16;  // penumbra of a narrow disc, of the receiver's size
+// Triangles that a ray may be held against, some microseconds: of more, maps are made after all.
+constexpr double kMostTests = 1000;
 
 // The least and the greatest of each cell's texels, those of the border to the next among them.
 struct CellExtremes {
@@ -52,6 +54,28 @@ CellExtremes extremes_of(const ShadowMap& map) {
   return out;
 }
 
+// Visits where an edge lies over the map, at least twice in each cell that it crosses: x and y in
+// cells, z in metres, as `begin` and `along`, which leads to its end, have them.
+template <typename Visit>
+void for_each_step(const Eigen::Array3d& begin, const Eigen::Array3d& along, double cells,
+                   const Visit& visit) {
+  constexpr double kStepsACell = 2;
+  double first = 0, last = 1;  // of the edge, what lies over the map
+  for (int axis = 0; axis < 2; ++axis) {
+    if (along[axis] == 0) continue;  // it may lie beside the map, as is asked below
+    const double a = -begin[axis] / along[axis], b = (cells - begin[axis]) / along[axis];
+    first = std::max(first, std::min(a, b));
+    last = std::min(last, std::max(a, b));
+  }
+  if (first > last) return;
+  const double steps = std::ceil(kStepsACell * (last - first) * along.head<2>().abs().maxCoeff());
+  for (double step = 0; step <= steps; ++step) {
+    const double part = first + (steps > 0 ? step / steps : 0) * (last - first);
+    const Eigen::Array3d at = begin + part * along;
+    if ((at.head<2>() >= 0).all() && (at.head<2>() < cells).all()) visit(at);
+  }
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> points_of_disc(const Eigen::Vector3d& to_light_in_cam,
@@ -74,7 +98,9 @@ bool DiscShadow::is_narrow(const std::vector<PlacedBody>& bodies, size_t receive
   const Eigen::Matrix3d light_from_cam = light_axes(to_light_in_cam);
   Eigen::AlignedBox3d extent;
   double top = -std::numeric_limits<double>::infinity();
+  double triangles = 0;
   for (size_t b = 0; b < bodies.size(); ++b) {
+    triangles += static_cast<double>(bodies[b].mesh->triangles.size());
     const Eigen::Matrix3d turn = light_from_cam * bodies[b].cam_from_body.rotation;
     const Eigen::Vector3d shift = light_from_cam * bodies[b].cam_from_body.translation;
     for (const Eigen::Vector3d& vertex : bodies[b].mesh->vertices) {
@@ -83,8 +109,13 @@ bool DiscShadow::is_narrow(const std::vector<PlacedBody>& bodies, size_t receive
       top = std::max(top, x.z());
     }
   }
-  const double height_m = top - extent.min().z();
-  return height_m * std::tan(radius_deg * kDegree) <= kWidest * extent.sizes().maxCoeff();
+  // As the light sees it: a body that is long along the rays is no larger for that.
+  const Eigen::Array2d size_m = extent.sizes().head<2>();
+  const double reach_m = (top - extent.min().z()) * std::tan(radius_deg * kDegree);
+  if (reach_m > kWidest * size_m.maxCoeff()) return false;
+  // A tile is as wide as rays reach, and so far beyond it stand triangles that belong to it.
+  const Eigen::Array2d tile_and_reach = (3 * reach_m / size_m).min(1.0);
+  return triangles * tile_and_reach.prod() <= kMostTests;
 }
 
 DiscShadow::DiscShadow(const std::vector<PlacedBody>& bodies, size_t receiver,
@@ -97,16 +128,40 @@ DiscShadow::DiscShadow(const std::vector<PlacedBody>& bodies, size_t receiver,
       cell_m_(kCellTexels * middle.texel_m()) {
   const Eigen::Matrix3d axes = light_axes(to_light_in_cam);
   for (const Eigen::Vector3d& point : points) slopes_.push_back((axes * point).hnormalized());
-  mark_outlines(middle);
   place_blockers(bodies, receiver);
+  mark_outlines(middle);
   sort_blockers();
+}
+
+// A texel of the map is seen at its centre alone: a strut between two rows of centres is not on it.
+// But of every triangle all that is nearer to no centre on it is near to its edges, so that cells
+// over which an edge stands are torn, and as high as the edge.
+void DiscShadow::mark_missed(cv::Mat& greatest, cv::Mat& is_whole) const {
+  // Ridges, too, rise a little over the centres beside them.
+  const double least_rise = std::min(cell_m_ / kCellTexels, kTorn * cell_m_ / tangent_);
+  const Eigen::Array3d scale(cell_m_, cell_m_, 1);
+  for (const Blocker& blocker : blockers_) {
+    for (int k = 0; k < 3; ++k) {
+      const int next = (k + 1) % 3;
+      const Eigen::Array3d from(blocker.x[k], blocker.y[k], blocker.z[k]);
+      const Eigen::Array3d to(blocker.x[next], blocker.y[next], blocker.z[next]);
+      for_each_step(from / scale, (to - from) / scale, greatest.cols, [&](const auto& at) {
+        const cv::Point cell(static_cast<int>(at.x()), static_cast<int>(at.y()));
+        float& value = greatest.at<float>(cell);
+        if (!(at.z() > value + least_rise)) return;
+        value = static_cast<float>(at.z());
+        is_whole.at<uint8_t>(cell) = 0;
+      });
+    }
+  }
 }
 
 // Border cells count as torn: beyond them nobody looked.
 void DiscShadow::mark_outlines(const ShadowMap& middle) {
-  const CellExtremes extremes = extremes_of(middle);
+  CellExtremes extremes = extremes_of(middle);
   const cv::Mat rise = extremes.greatest - extremes.least;
   cv::Mat is_whole = rise <= kTorn * cell_m_ / tangent_;
+  mark_missed(extremes.greatest, is_whole);
   cv::rectangle(is_whole, {0, 0, is_whole.cols, is_whole.rows}, 0);
   cv::distanceTransform(is_whole, to_outline_, cv::DIST_C, cv::DIST_MASK_3);
   double top = 0;
@@ -139,7 +194,8 @@ void DiscShadow::place_blockers(const std::vector<PlacedBody>& bodies, size_t re
 }
 
 int DiscShadow::tile_of(double along) const {
-  return std::clamp(static_cast<int>(std::floor(along / tile_m_)), 0, tiles_ - 1);
+  // Clamped first: far away there are more tiles than an integer counts.
+  return static_cast<int>(std::clamp(along / tile_m_, 0.0, tiles_ - 1.0));
 }
 
 // No ray from the receiver that a triangle stops begins farther from it than it stands high.

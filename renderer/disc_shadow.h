@@ -21,12 +21,14 @@ std::vector<Eigen::Vector3d> points_of_disc(const Eigen::Vector3d& to_light_in_c
 /// that they leave the sheet of surfaces which the map shows only where that sheet is torn: at an
 /// outline, within the disc's radius times the height of what stands there. All other points see
 /// all of the disc or nothing of it, as the map says of its middle; from the few that are left rays
-/// go to points of the disc, each against the triangles that stand in its way. An outline over what
-/// lies so little below it that its penumbra is narrower than a tenth of a cell, 2 texels of the
-/// map, may not be found.
+/// go to points of the disc, each against the triangles that stand in its way. What is too thin for
+/// the map to show is found by its edges, where it stands more than a texel over what is shown. An
+/// outline over what lies so little below it that its penumbra is narrower than a fifth of a cell,
+/// 0.4 texels of the map, may not be found.
 class DiscShadow {
  public:
-  /// Whether this body's shadows from that disc are narrow enough beside it for this way.
+  /// Whether this body's shadows from that disc are narrow enough beside it for this way, and the
+  /// triangles so few that rays take less time than a shadow map for each point of the disc.
   static bool is_narrow(const std::vector<PlacedBody>& bodies, size_t receiver,
                         const Eigen::Vector3d& to_light_in_cam, double radius_deg);
 
@@ -48,6 +50,7 @@ class DiscShadow {
     int triangle = -1;        // the receiver's; -1 of another body
   };
 
+  void mark_missed(cv::Mat& greatest, cv::Mat& is_whole) const;
   void mark_outlines(const ShadowMap& middle);
   void place_blockers(const std::vector<PlacedBody>& bodies, size_t receiver);
   void sort_blockers();

@@ -2,13 +2,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "renderer/open_sky.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "renderer/truth.h"
 
 namespace sightline {
 namespace {
+
+constexpr int kFewestTexels = 8;  // of a side, those of the border among them
 
 bool are_equal(const std::vector<Pose>& a, const std::vector<Pose>& b) {
   if (a.size() != b.size()) return false;
@@ -36,7 +40,7 @@ std::vector<std::shared_ptr<const Target>> targets_of(const Scene& scene) {
 
 }  // namespace
 
-OpenSky::OpenSky(const std::vector<PlacedBody>& bodies, size_t receiver) {
+OpenSky::OpenSky(const std::vector<PlacedBody>& bodies, size_t receiver, int texels) {
   constexpr double kAnyFiner = 0;  // the map takes as many texels as it may
   const Eigen::Matrix3d& turn = bodies[receiver].cam_from_body.rotation;
   maps_.reserve(kDirections);
@@ -45,7 +49,7 @@ OpenSky::OpenSky(const std::vector<PlacedBody>& bodies, size_t receiver) {
     const double ring = std::sqrt(1 - z * z);
     const double angle = 2 * std::numbers::pi * i / std::numbers::phi;
     directions_.emplace_back(ring * std::cos(angle), ring * std::sin(angle), z);
-    maps_.emplace_back(bodies, receiver, turn * directions_.back(), kAnyFiner, kTexels);
+    maps_.emplace_back(bodies, receiver, turn * directions_.back(), kAnyFiner, texels);
   }
 }
 
@@ -65,18 +69,36 @@ double OpenSky::share(const Eigen::Vector3d& x, const Eigen::Vector3d& facet,
   return all > 0 ? open / all : 1;
 }
 
-std::shared_ptr<const OpenSky> SkyMemory::of(const Scene& scene,
-                                             const std::vector<PlacedBody>& bodies, size_t body) {
-  if (!scene.light.is_glow_occluded) return nullptr;
-  std::vector<std::shared_ptr<const Target>> targets = targets_of(scene);
-  std::vector<Pose> places = places_of(bodies);
-  if (targets != targets_ || !are_equal(places, first_from_body_)) {
-    targets_ = std::move(targets);
-    first_from_body_ = std::move(places);
-    skies_.assign(bodies.size(), nullptr);
+BodySky::BodySky(std::shared_ptr<const std::vector<PlacedBody>> bodies, size_t receiver, int texels)
+    : bodies_(std::move(bodies)), receiver_(receiver), texels_(texels) {}
+
+double BodySky::share(const Eigen::Vector3d& x, const Eigen::Vector3d& facet,
+                      const Eigen::Vector3d& normal) {
+  if (!sky_) sky_.emplace(*bodies_, receiver_, texels_);
+  return sky_->share(x, facet, normal);
+}
+
+void SkyMemory::turn_to(const Scene& scene) {
+  std::vector<std::shared_ptr<const Target>> targets;
+  std::vector<Pose> places;
+  std::vector<PlacedBody> bodies;
+  if (scene.light.is_glow_occluded) {
+    bodies = placed_bodies(scene, scene.cam_from_target);
+    targets = targets_of(scene);
+    places = places_of(bodies);
   }
-  if (skies_[body] == nullptr) skies_[body] = std::make_shared<const OpenSky>(bodies, body);
-  return skies_[body];
+  if (targets == targets_ && are_equal(places, first_from_body_)) return;
+  skies_.clear();
+  targets_ = std::move(targets);
+  first_from_body_ = std::move(places);
+  // Seen from the first body: where the camera stands must not move the maps' texels.
+  for (size_t b = 0; b < bodies.size(); ++b) bodies[b].cam_from_body = first_from_body_[b];
+  const auto shared = std::make_shared<const std::vector<PlacedBody>>(std::move(bodies));
+  const double part = static_cast<double>(kWholeBodies) / static_cast<double>(shared->size());
+  const int texels = static_cast<int>(OpenSky::kTexels * std::sqrt(std::min(1.0, part)));
+  for (size_t b = 0; b < shared->size(); ++b) {
+    skies_.emplace_back(shared, b, std::max(kFewestTexels, texels));
+  }
 }
 
 }  // namespace sightline

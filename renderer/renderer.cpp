@@ -52,8 +52,7 @@ std::vector<Shader> shaders_of(const std::vector<PlacedBody>& bodies, const Scen
                                SkyMemory& skies) {
   std::vector<Shader> shaders;
   for (size_t b = 0; b < bodies.size(); ++b) {
-    shaders.emplace_back(bodies[b], scene.light, shadow_on(bodies, b, scene),
-                         skies.of(scene, bodies, b));
+    shaders.emplace_back(bodies[b], scene.light, shadow_on(bodies, b, scene), skies.of(b));
   }
   return shaders;
 }
@@ -275,6 +274,7 @@ struct Renderer::Impl {
   cv::Mat linear(const Scene& scene) {
     cv::Mat background = background_of(scene);
     const int poses = scene.motion.is_still() ? 1 : scene.motion.samples;
+    colours.skies.turn_to(scene);
     cv::Mat sum;
     for (int i = 0; i < poses; ++i) {
       cv::Mat image = i + 1 == poses ? background : background.clone();

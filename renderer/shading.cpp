@@ -119,13 +119,13 @@ double Shadow::lit_share(const Eigen::Vector3d& x, const Eigen::Vector3d& normal
 }
 
 Shader::Shader(const PlacedBody& body, const Light& light, std::unique_ptr<const Shadow> shadow,
-               std::shared_ptr<const OpenSky> sky)
+               BodySky* sky)
     : hits_(body),
       light_(light),
       to_light_(body.cam_from_body.rotation.transpose() * light.to_light_in_cam),
       to_second_(body.cam_from_body.rotation.transpose() * light.to_second_in_cam),
       shadow_(std::move(shadow)),
-      sky_(std::move(sky)) {}
+      sky_(sky) {}
 
 bool Shader::has_detail() const {
   return shadow_ != nullptr || light_.specular > 0 || hits_.body().stripe_contrast > 0;

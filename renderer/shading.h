@@ -82,9 +82,10 @@ class Shadow {
 /// The light that one body sends to the camera.
 class Shader {
  public:
-  /// Without a shadow the light reaches all of the body, and without a sky the glow does.
+  /// Without a shadow the light reaches all of the body, and without a sky, which must outlive the
+  /// shader, the glow does.
   Shader(const PlacedBody& body, const Light& light, std::unique_ptr<const Shadow> shadow,
-         std::shared_ptr<const OpenSky> sky);
+         BodySky* sky);
 
   /// Linear, 1 is white; highlights may exceed it. As the sample of that number sees it, where this
   /// share of the glow comes to.
@@ -102,7 +103,7 @@ class Shader {
   Eigen::Vector3d to_light_;  // body's frame
   Eigen::Vector3d to_second_;
   std::unique_ptr<const Shadow> shadow_;
-  std::shared_ptr<const OpenSky> sky_;
+  BodySky* sky_;
 };
 
 }  // namespace sightline

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/image_sets/extras.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
@@ -109,9 +110,47 @@ TEST(OpenSky, IsThatOfTheSceneAndNotOfTheLast) {
   const auto middle = [&] { return renderer.render_linear(scene).at<float>(4, 4); };
   const float before = middle();
   EXPECT_EQ(middle(), before);
-  EXPECT_LT(before, 0.95);
+  EXPECT_NEAR(before, 1 - hidden_by_wall(5), kLattice);
+  scene.others.front().cam_from_target.translation.y() = -2;
+  EXPECT_NEAR(middle(), 1 - hidden_by_wall(2), kLattice);
   scene.others.clear();
   EXPECT_EQ(middle(), 1);
+}
+
+// Of a target alone a sky is kept whatever its pose, and says the same wherever it was made.
+TEST(OpenSky, DoesNotDependOnThePictureBefore) {
+  Mesh corner = plate(20);
+  for (const auto& [x, z] : {std::pair{-10, 0}, {10, 0}, {10, -20}, {-10, -20}}) {
+    corner.vertices.emplace_back(x, -5, z);
+  }
+  corner.triangles.push_back({.vertex = {4, 6, 5}, .part = 0});
+  corner.triangles.push_back({.vertex = {4, 7, 6}, .part = 0});
+  compute_corner_normals(corner, 0.1);
+  Scene scene = coverage_scene(corner, at(0, 0, 60, {0.3, 0.2, 0.7}));
+  scene.camera = centred_camera(32, 32, 80);
+  scene.light.is_glow_occluded = true;
+  const cv::Mat fresh = Renderer().render_linear(scene);
+  Renderer renderer;
+  Scene other = scene;
+  other.cam_from_target = at(1, 2, 50, {-0.4, 0.5, 0.1});
+  EXPECT_GT(cv::norm(renderer.render_linear(other), fresh, cv::NORM_INF), 0.1);
+  EXPECT_EQ(cv::norm(renderer.render_linear(scene), fresh, cv::NORM_INF), 0);
+}
+
+// The maps of many bodies are coarser.
+TEST(OpenSky, OfManyBodiesIsRight) {
+  Scene scene = floor_and(at(0, -5, 10, {kHalfTurn / 2, 0, 0}), 20);
+  const std::shared_ptr<const Target> plate_below = target_of(plate(1));
+  for (int i = 0; i < 30; ++i) scene.others.push_back({plate_below, at(i, 0, 30), true});
+  SkyMemory skies;
+  skies.turn_to(scene);
+  for (const double d : {1.0, 3.0, 8.0}) {
+    const double share = skies.of(0)->share({0, d - 5, 0}, kTowardsCamera, kTowardsCamera);
+    EXPECT_NEAR(share, 1 - hidden_by_wall(d), kLattice) << d;
+  }
+  scene.light.is_glow_occluded = false;
+  skies.turn_to(scene);
+  EXPECT_EQ(skies.of(0), nullptr);
 }
 
 // A point of a mesh's triangle, drawn.
@@ -176,11 +215,75 @@ TEST(DiscShadow, IsWhatAllTrianglesSay) {
     difference += std::abs(found - static_cast<double>(lit) / Shadow::kDiscPoints);
     shaded += lit == 0 ? 1 : 0;
   }
-  // What is lost lies in penumbras narrower than a tenth of a cell.
+  // What is lost lies in penumbras narrower than a fifth of a cell.
   EXPECT_LE(difference, 0.002 * 2 * kOfEach);
   EXPECT_EQ(partly_lit, kOfEach);
   EXPECT_EQ(wholly, kOfEach);
   EXPECT_GT(shaded, 1);
+}
+
+// Rays to a wider disc, or past more triangles that stand as high, would take longer than maps.
+TEST(DiscShadow, IsForFewTrianglesARay) {
+  constexpr double kRadiusDeg = 3.5;
+  const std::shared_ptr<const Target> cube = load_target("cube");
+  Mesh body = cube->mesh;
+  for (Eigen::Vector3d& vertex : body.vertices) vertex.z() *= 10;
+  const std::vector<PlacedBody> bodies{{.mesh = &body, .cam_from_body = at(0, 0, 100)}};
+  const Eigen::Vector3d end_on(0, 0, -1), side_on(0, -1, 0);
+  EXPECT_FALSE(DiscShadow::is_narrow(bodies, 0, end_on, kRadiusDeg));
+  EXPECT_TRUE(DiscShadow::is_narrow(bodies, 0, end_on, kRadiusDeg / 10));
+  EXPECT_TRUE(DiscShadow::is_narrow(bodies, 0, side_on, kRadiusDeg));
+  body = cube->mesh;
+  EXPECT_TRUE(DiscShadow::is_narrow(bodies, 0, end_on, kRadiusDeg));
+  body.triangles.resize(50000, body.triangles.front());
+  EXPECT_FALSE(DiscShadow::is_narrow(bodies, 0, end_on, kRadiusDeg));
+  EXPECT_TRUE(DiscShadow::is_narrow(bodies, 0, end_on, kRadiusDeg / 10));
+}
+
+// A white rectangle whose outside is towards -z.
+Mesh strip(double length_m, double width_m) {
+  Mesh mesh = plate(length_m);
+  for (Eigen::Vector3d& vertex : mesh.vertices) vertex.y() *= width_m / length_m;
+  return mesh;
+}
+
+// A strut that lies between two rows of the shadow map's texels, 2 m over the floor.
+TEST(DiscShadow, FindsWhatTheMapIsTooCoarseFor) {
+  constexpr double kTexelM = 0.05, kMapTexelM = 4 * kTexelM;
+  constexpr double kHeightM = 2, kWidthM = 0.05, kRadiusDeg = 1;
+  constexpr double kShare = 3.2 / Shadow::kDiscPoints;
+  const Mesh floor = plate(20), strut = strip(16, kWidthM);
+  const double middle = kMapTexelM / 2;
+  const Light light{.to_light_in_cam = kTowardsCamera, .radius_deg = kRadiusDeg};
+  const auto lit = [&](const Pose& cam_from_strut, double y) {
+    const std::vector<PlacedBody> bodies{
+        {.mesh = &floor, .cam_from_body = at(0, 0, 20)},
+        {.mesh = &strut, .cam_from_body = cam_from_strut, .first_id = 3}};
+    const ShadowMap map(bodies, 0, light.to_light_in_cam, kMapTexelM, Shadow::kMaxDiscTexels);
+    EXPECT_LT(map.height_over_m({1.03, y, 0}), kHeightM / 2) << "the map shows it";
+    return Shadow(bodies, 0, light, kTexelM, 1).lit_share({1.03, y, 0}, kTowardsCamera, 0, 0);
+  };
+  // Of the disc it hides a strip through the middle.
+  const double part = kWidthM / 2 / (kHeightM * std::tan(kRadiusDeg * kHalfTurn / 180));
+  const double hidden = 2 / kHalfTurn * (std::asin(part) + part * std::sqrt(1 - part * part));
+  const Pose over = at(0, middle, 20 - kHeightM);
+  EXPECT_NEAR(lit(over, middle), 1 - hidden, kShare);
+  EXPECT_EQ(lit(over, middle + 3 * kMapTexelM), 1);
+  EXPECT_EQ(lit(at(0, middle, 20 + kHeightM), middle), 1) << "it lies below";
+}
+
+// A roof so wide that its far end is beyond any count of tiles shades all of them.
+TEST(DiscShadow, IsCastByWhatEndsFarAway) {
+  const Mesh floor = plate(20), roof = plate(1e12);
+  const std::vector<PlacedBody> bodies{
+      {.mesh = &floor, .cam_from_body = at(0, 0, 20)},
+      {.mesh = &roof, .cam_from_body = at(0, 0, 18), .first_id = 3}};
+  const ShadowMap map(bodies, 0, kTowardsCamera, 0.2, Shadow::kMaxDiscTexels);
+  const DiscShadow shadow(bodies, 0, kTowardsCamera, 1, map,
+                          points_of_disc(kTowardsCamera, 1, Shadow::kDiscPoints));
+  for (const double x : {-9.0, 9.0}) {
+    EXPECT_FALSE(shadow.is_lit({x, 3, 0}, 0, 0)) << x;
+  }
 }
 
 }  // namespace
