@@ -60,8 +60,13 @@ std::string in_terminal(const std::string& settings, const std::string& argument
       .output;
 }
 
+// False where there is no `script`, or no pseudo-terminal for it, as in a tree without /dev/pts.
+bool has_terminals() {
+  return run_shell("script -qec true /dev/null </dev/null").exit_code == 0;
+}
+
 TEST(Terminal, TheProgramHasColoursInOneAlone) {
-  if (run_shell("command -v script").exit_code != 0) GTEST_SKIP() << "there is no `script`";
+  if (!has_terminals()) GTEST_SKIP() << "`script` makes no terminal here";
   const std::string study = "study orientation-points --plan 0.5 --trials 2 --quiet";
   const std::string coloured = in_terminal("TERM=xterm", study);
   EXPECT_THAT(coloured, HasSubstr("\033[1m"));
@@ -81,7 +86,7 @@ TEST(Terminal, APictureIsSentInPiecesThatTheProtocolTakes) {
 }
 
 TEST(Terminal, ATargetIsShownWhereTheTerminalSaysThatItCan) {
-  if (run_shell("command -v script").exit_code != 0) GTEST_SKIP() << "there is no `script`";
+  if (!has_terminals()) GTEST_SKIP() << "`script` makes no terminal here";
   EXPECT_THAT(in_terminal("TERM=xterm-kitty TMUX= STY=", "list cube"), HasSubstr("\033_Ga=T"));
   EXPECT_THAT(in_terminal("TERM=xterm-kitty TMUX=1", "list cube"), Not(HasSubstr("\033_G")));
   EXPECT_THAT(in_terminal("TERM=xterm TMUX= STY=", "list cube"), Not(HasSubstr("\033_G")));
@@ -89,7 +94,7 @@ TEST(Terminal, ATargetIsShownWhereTheTerminalSaysThatItCan) {
 }
 
 TEST(Terminal, NoLineOfTheListsIsWiderThanIt) {
-  if (run_shell("command -v script").exit_code != 0) GTEST_SKIP() << "there is no `script`";
+  if (!has_terminals()) GTEST_SKIP() << "`script` makes no terminal here";
   for (const char* list : {"list", "list keys image", "list measures", "target cube"}) {
     std::istringstream lines(in_terminal("NO_COLOR=1", list));
     for (std::string line; std::getline(lines, line);) {
