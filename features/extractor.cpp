@@ -151,7 +151,8 @@ Observation unseen(const FeaturePrediction& prediction, const cv::Rect& window,
 Observation extracted(const ExtractionInput& input, const FeatureExtractor& extractor) {
   if (!extractor.needs_edges && !extractor.needs_mesh) return extractor.extract(input);
   const Eigen::Vector2d& pixel = input.prediction.pixel;
-  // As far as extractors look along an edge and across it, and what their filters reach beyond.
+  // As far as most extractors look along an edge and across it, and what their filters reach
+  // beyond. hough_subpixel's edges, of up to 160 px, are taken no farther.
   constexpr int kReachPx = 104;
   constexpr int kFilterPx = 8;
   const int half_px = std::max(kReachPx, input.options.window_half_px + kFilterPx);
@@ -161,8 +162,10 @@ Observation extracted(const ExtractionInput& input, const FeatureExtractor& extr
   const FeaturePrediction& prediction = view.features.front();
   const cv::Rect window =
       window_around(prediction.pixel, input.options.window_half_px, straight->image().size());
-  const ObservationStatus why_not =
-      window.empty() ? ObservationStatus::kOutsideImage : why_not_look(straight->image()(window));
+  // So near to the border that the turned window is mostly beyond it, the bent image is what is
+  // left.
+  if (window.empty()) return extractor.extract(input);
+  const ObservationStatus why_not = why_not_look(straight->image()(window));
   if (why_not != ObservationStatus::kFound) return unseen(input.prediction, input.window, why_not);
   Observation found = straight->in_image(extractor.extract(
       {straight->image(), view, prediction, input.options, window, input.background_grey}));

@@ -149,6 +149,32 @@ TEST_F(Labels, RightLinesThatMeetFarOffAreAWrongIntersection) {
             ObservationLabel::kWrongIntersection);
 }
 
+// A lens bends the middles of the edges by several pixels off the lines between their ends.
+TEST_F(Labels, ThroughALensLinesAreRightWhereTheCurvesAre) {
+  scene_.camera.lens = BrownConrady{.k1 = -300};
+  frame_ = Renderer().render(scene_, RandomStream(1, "sensor", 0));
+  const auto with_middles_off_by = [&](double off_px) {
+    Observation observation = seen(corner_, {10, 0});
+    for (const Edge& edge : scene_.target->features[corner_].edges) {
+      const auto at = [&](double t) {
+        return pixel_of(edge.begin_m + t * (edge.end_m - edge.begin_m));
+      };
+      ImageLine line;
+      line.direction = (at(0.55) - at(0.45)).normalized();
+      const Eigen::Vector2d normal(-line.direction.y(), line.direction.x());
+      for (int i = 0; i < 12; ++i) {
+        line.edge_pixels.push_back(at(0.45 + i / 110.0) + off_px * normal);
+      }
+      observation.lines.push_back(line);
+    }
+    return of(observation);
+  };
+  const LabelLimits limits;
+  EXPECT_EQ(with_middles_off_by(0), ObservationLabel::kWrongIntersection);
+  EXPECT_EQ(with_middles_off_by(0.97 * limits.line_px), ObservationLabel::kWrongIntersection);
+  EXPECT_EQ(with_middles_off_by(1.03 * limits.line_px), ObservationLabel::kWrongLine);
+}
+
 TEST_F(Labels, ALineOffTheTargetIsClutter) {
   const Eigen::Vector2d off = 30 * (truth(corner_) - Eigen::Vector2d(255.5, 255.5)).normalized();
   EXPECT_EQ(of(corner_with_lines(off, off, off)), ObservationLabel::kClutter);

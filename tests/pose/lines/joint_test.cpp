@@ -81,13 +81,7 @@ TEST_P(SolversWithLines, NeedNoPointsAndNoInitialPose) {
   const Camera camera = centred_camera(512, 512, 15000);
   for (int k = 0; k < 10; ++k) {
     const Pose truth = cube_pose(draw);
-    PoseProblem problem;
-    problem.camera = camera;
-    for (int i = 0; i < 10; ++i) {
-      LineObservation line = exact_line(camera, truth, {draw.in_box(0.5), draw.in_box(0.5)}, 0.5);
-      add_noise(line, draw);
-      problem.lines.push_back(line);
-    }
+    const PoseProblem problem = random_lines(camera, truth, 10, draw);
     const PoseEstimate estimate = solver(GetParam()).solve(problem);
     ASSERT_EQ(estimate.status, PoseStatus::kOk);
     EXPECT_LT(turn_rad(estimate, truth), 0.05) << k;
@@ -354,13 +348,7 @@ TEST(LinesInLeastSquares, BeginWhereSomeHaveNoResidual) {
   const Camera camera = centred_camera(512, 512, 15000);
   for (int k = 0; k < 3; ++k) {
     const Pose truth = cube_pose(draw);
-    PoseProblem problem;
-    problem.camera = camera;
-    for (int i = 0; i < 200; ++i) {
-      LineObservation line = exact_line(camera, truth, {draw.in_box(0.5), draw.in_box(0.5)}, 0.5);
-      add_noise(line, draw);
-      problem.lines.push_back(line);
-    }
+    const PoseProblem problem = random_lines(camera, truth, 200, draw);
     const PoseEstimate estimate = solver("lspe").solve(problem);
     ASSERT_EQ(estimate.status, PoseStatus::kOk) << k;
     EXPECT_LT(turn_rad(estimate, truth), 0.01) << k;

@@ -67,6 +67,19 @@ inline Synthetic cube_with_lines(double point_sigma_px, double edge_pixel_sigma_
   return s;
 }
 
+/// Edges anywhere in the cube's box, so many, seen at a pose as lines under noise; no points.
+inline PoseProblem random_lines(const Camera& camera, const Pose& cam_from_target, int count,
+                                Draw& draw) {
+  PoseProblem problem;
+  problem.camera = camera;
+  for (int i = 0; i < count; ++i) {
+    problem.lines.push_back(
+        exact_line(camera, cam_from_target, {draw.in_box(0.5), draw.in_box(0.5)}, 0.5));
+    add_noise(problem.lines.back(), draw);
+  }
+  return problem;
+}
+
 /// A line that is shifted across itself.
 inline void shift(LineObservation& line, double by_px) {
   line.pixel += by_px * Eigen::Vector2d(-line.direction.y(), line.direction.x());
