@@ -64,6 +64,17 @@ Eigen::Vector2d seen_middle(const ImageLine& line) {
   return line.point + (stretch.from_px + stretch.to_px) / 2 * line.direction;
 }
 
+void add_noise_at_ends(double sd_px, ImageLine& line) {
+  const double half_px = std::max(1.0, seen_stretch(line).half_length_px());
+  const double middle_px = line.direction.dot(seen_middle(line) - line.point);
+  const double variance_px2 = sd_px * sd_px / 2;  // at the middle, which is the mean of both ends
+  const double of_slope = variance_px2 / (half_px * half_px);
+  Eigen::Matrix2d noise;
+  noise << variance_px2 + middle_px * middle_px * of_slope, -middle_px * of_slope,
+      -middle_px * of_slope, of_slope;
+  line.covariance += noise;
+}
+
 LineObservation line_observation(const EdgeLine& found, const TargetFeature& feature) {
   const Edge& edge = feature.edges[static_cast<size_t>(found.edge)];
   return {edge.begin_m, edge.end_m, found.line.point, found.line.direction, found.line.covariance};

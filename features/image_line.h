@@ -39,6 +39,10 @@ Stretch seen_stretch(const ImageLine& line);
 /// The place on a line amid its edge pixels.
 Eigen::Vector2d seen_middle(const ImageLine& line);
 
+/// Adds noise of that standard deviation, independent at either end of its edge pixels, to what is
+/// known of a line.
+void add_noise_at_ends(double sd_px, ImageLine& line);
+
 /// A line along one of a feature's edges, as solvers take it.
 LineObservation line_observation(const EdgeLine& found, const TargetFeature& feature);
 

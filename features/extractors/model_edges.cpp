@@ -182,17 +182,6 @@ constexpr double kAlonePx = 0.4;
 // The same of a rounded edge, whose outline turns with the light.
 constexpr double kSoftPx = 0.2;
 
-void add_floor(double sd_px, ImageLine& line) {
-  const double half_px = std::max(1.0, seen_stretch(line).half_length_px());
-  const double middle_px = line.direction.dot(seen_middle(line) - line.point);
-  const double variance_px2 = sd_px * sd_px / 2;  // at the middle, which is the mean of both ends
-  const double of_slope = variance_px2 / (half_px * half_px);
-  Eigen::Matrix2d floor;
-  floor << variance_px2 + middle_px * middle_px * of_slope, -middle_px * of_slope,
-      -middle_px * of_slope, of_slope;
-  line.covariance += floor;
-}
-
 // What the lines say of their edges: all that they say where they did not make a feature, and what
 // they say beyond it where they did. A line that few samples of its edge support is left out.
 std::vector<EdgeLine> edge_lines_of(const ExtractionInput& input,
@@ -208,10 +197,10 @@ std::vector<EdgeLine> edge_lines_of(const ExtractionInput& input,
     if (found[i].support < kLeastSupport) continue;
     std::optional<ImageLine> line = observation.lines[i];
     if (observation.status == ObservationStatus::kFound) {
-      if (found[i].is_soft) add_floor(kSoftPx, *line);
+      if (found[i].is_soft) add_noise_at_ends(kSoftPx, *line);
       line = beyond_offset_at(*line, observation.pixel, most_px);
     } else {
-      add_floor(kAlonePx, *line);
+      add_noise_at_ends(kAlonePx, *line);
     }
     if (line) edge_lines.push_back({found[i].edge, std::move(*line)});
   }

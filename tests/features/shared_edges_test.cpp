@@ -102,5 +102,24 @@ TEST(SharedEdges, CountOnce) {
   EXPECT_EQ(left_of(seen(kNot, kNot, 80)), (Left{1, 1, 1})) << "of other pixels";
 }
 
+// Its edge pixels lie more densely on one side, so that the line's point is not their middle.
+TEST(ImageLineNoise, AtTheEndsOfALineIsWhatIsAddedThere) {
+  ImageLine line;
+  line.point = {30, 40};
+  line.direction = Eigen::Vector2d(0.6, 0.8);
+  for (const double along_px : {-20.0, -15.0, -10.0, 40.0}) {
+    line.edge_pixels.push_back(line.point + along_px * line.direction);
+  }
+  line.covariance << 0.01, 1e-4, 1e-4, 1e-5;
+  ImageLine noisy = line;
+  add_noise_at_ends(0.3, noisy);
+  for (const double along_px : {-20.0, 40.0}) {
+    const Eigen::Vector2d end = line.point + along_px * line.direction;
+    EXPECT_NEAR(offset_variance_px2(noisy, end) - offset_variance_px2(line, end), 0.09, 1e-12);
+  }
+  const Eigen::Vector2d middle = line.point + 10 * line.direction;
+  EXPECT_NEAR(offset_variance_px2(noisy, middle) - offset_variance_px2(line, middle), 0.045, 1e-12);
+}
+
 }  // namespace
 }  // namespace sightline

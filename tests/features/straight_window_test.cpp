@@ -91,13 +91,22 @@ TEST(StraightWindow, GivesBackWhatWasFoundInIt) {
   const Camera camera = bending_camera();
   const Target target = plate_target();
   const Pose pose = plate_pose(20, {0.1, 0.2});
-  const PredictedView view =
-      predict_features(target, std::array{0}, camera, prior_of(pose, camera, {}));
+  PriorError error;
+  error.attitude_deg = 2;
+  error.lateral_px = 3;
+  const PosePrior prior = prior_of(pose, camera, error);
+  const PredictedView view = predict_features(target, std::array{0}, camera, prior);
   const FeaturePrediction& prediction = view.features.front();
   const cv::Mat image(kPlateImagePx, kPlateImagePx, CV_8U, cv::Scalar(0));
   const auto window = StraightWindow::about(prediction.pixel, camera, image, 104);
   ASSERT_TRUE(window);
   const PredictedView straight = window->view_of(view, prediction);
+  // What is predicted here is what the pinhole's own prediction would be.
+  const FeaturePrediction own =
+      predict_features(target, std::array{0}, straight.camera, prior).features.front();
+  const FeaturePrediction& given = straight.features.front();
+  EXPECT_LT((given.covariance_px2 - own.covariance_px2).norm(), 1e-9 * own.covariance_px2.norm());
+  EXPECT_LT((given.edge_direction[0] - own.edge_direction[0]).norm(), 1e-9);
   const auto here = [&](const Eigen::Vector3d& point) {
     return *project(straight.camera, pose * point);
   };
@@ -116,8 +125,11 @@ TEST(StraightWindow, GivesBackWhatWasFoundInIt) {
   line.edge_pixels = {here(edge.begin_m), here(edge.end_m)};
   line.covariance << 0.01, 1e-5, 1e-5, 1e-6;
   found.lines = {line};
-  found.edge_lines = {{0, line}};
+  ImageLine beyond_fold = line;
+  beyond_fold.point -= 400 * line.direction;
+  found.edge_lines = {{0, line}, {1, beyond_fold}};
   const Observation seen = window->in_image(found);
+  ASSERT_EQ(seen.edge_lines.size(), 1U);  // the other's point is nowhere in the image
   const auto there = [&](const Eigen::Vector3d& x) { return *project(camera, pose * x); };
   EXPECT_LT((seen.pixel - there(point)).norm(), 1e-9);
   EXPECT_LT((seen.lines[0].edge_pixels[1] - there(edge.end_m)).norm(), 1e-9);

@@ -64,6 +64,24 @@ TEST(ConsensusCloud, RowsAreDerivatives) {
   }
 }
 
+TEST(ConsensusCloud, InitialPosesAreMadeRigidAndRigidOnesLeftAsTheyAre) {
+  Pose exact;
+  exact.rotation = rotation_from_vector({0.3, -1.1, 0.7});
+  exact.translation = {0.1, 0.2, 5};
+  Pose rounded = exact;
+  rounded.rotation = (exact.rotation * 1e4).array().round() / 1e4;
+  const auto off = [](const Pose& pose) {
+    return (pose.rotation.transpose() * pose.rotation - Eigen::Matrix3d::Identity()).norm();
+  };
+  EXPECT_GT(off(rounded), 1e-5);
+  const Pose rigid = rigid_pose(rounded).value();
+  EXPECT_LT(off(rigid), 1e-14);
+  EXPECT_LT(geodesic_angle_rad(rigid.rotation, exact.rotation), 1e-4);
+  EXPECT_LT((rigid_pose(exact).value().rotation - exact.rotation).norm(), 1e-15);
+  exact.rotation *= 1.02;
+  EXPECT_FALSE(rigid_pose(exact));
+}
+
 TEST(ConsensusKernel, CountsWhatDistancesSay) {
   Draw draw(3);
   const Synthetic s = scene({101, 50, false, 1}, draw);

@@ -177,8 +177,7 @@ TEST(EdgePoints, ALensIsUndoneWithTheNoise) {
   };
   for (const EdgePoint& point : *points) {
     const Eigen::Vector2d across = point.normal_per_px.normalized();
-    EXPECT_NEAR(across.dot(moved(normal)), point.normal_per_px.norm(),
-                1e-6 * moved(normal).norm());
+    EXPECT_NEAR(across.dot(moved(normal)), point.normal_per_px.norm(), 1e-6 * moved(normal).norm());
     EXPECT_NEAR(across.dot(moved(line.direction).normalized()), 0, 1e-6);
     EXPECT_NEAR(across.dot((point.ray - ray).normalized()), 0, 1e-6);  // they lie along it
   }
@@ -266,6 +265,20 @@ TEST(LineBound, LinesAddTheirInformationToThatOfPoints) {
   EXPECT_TRUE(is_matrix_near(product, Matrix6d(Matrix6d::Identity()), 1e-4));
 }
 
+// The kernel's model of lines at the true pose.
+kernel::NormalEquations model_of(const std::vector<LineObservation>& lines, const Synthetic& s) {
+  std::vector<EdgePoint> edges;
+  for (const LineObservation& line : lines) {
+    const EdgePoints points = edge_points_of(line, s.problem.camera).value();
+    edges.insert(edges.end(), points.begin(), points.end());
+  }
+  const PackedEdges packed(edges, Eigen::Vector3d::Zero());
+  kernel::NormalEquations model{};
+  kernel::normal_equations({.edges = packed.lanes().data(), .edge_count = packed.lanes().size()},
+                           rigid_from(s.cam_from_target), model);
+  return model;
+}
+
 TEST(LineBound, ParallelEdgesDetermineNoPose) {
   for (int seed = 70; seed < 90; ++seed) {
     Draw draw(seed);
@@ -277,9 +290,11 @@ TEST(LineBound, ParallelEdgesDetermineNoPose) {
     ASSERT_EQ(lines.size(), 4U);  // eight numbers, none of which says where along x
     // Also where rounding leaves a pivot of some 1e-12.
     EXPECT_FALSE(cramer_rao_bound(s.problem.camera, {}, s.cam_from_target, {}, lines)) << seed;
+    EXPECT_FALSE(inverse_of(model_of(lines, s))) << seed;
     lines.push_back(s.problem.lines[0]);
     lines.push_back(s.problem.lines[1]);
     EXPECT_TRUE(cramer_rao_bound(s.problem.camera, {}, s.cam_from_target, {}, lines)) << seed;
+    EXPECT_TRUE(inverse_of(model_of(lines, s))) << seed;
   }
 }
 
