@@ -112,6 +112,9 @@ TEST_F(OtherLayouts, OfFilesImageByImageAreReadWithTheirMasks) {
   EXPECT_EQ(set.sightings[0].image, "test_imagewise/000001_000000.rgb.png");
   EXPECT_TRUE(has_picture(set.sightings, 1, 12));
   EXPECT_FALSE(has_picture(set.sightings, 1, 13));
+  // Of images in which the target is not to be seen the pictures alone tell, however they write it.
+  write_picture("test_imagewise/1_13.rgb.png");
+  EXPECT_TRUE(has_picture(set.sightings, 1, 13));
   const auto right_half_is_hidden = [&](const Sighting& sighting) {
     const SetFrame frame = read_set_frame(target, 8, sighting);
     EXPECT_FALSE(frame.problem);
@@ -131,6 +134,13 @@ TEST_F(OtherLayouts, OfFilesImageByImageMayLieInTheSetsFolder) {
   write("test_targets_bop19.json", {{{"scene_id", 1}, {"im_id", 12}, {"obj_id", 1}}});
   ASSERT_EQ(images().images.size(), 1u);
   EXPECT_EQ(images().images[0].im_id, 12);
+}
+
+// As `gunzip --keep` leaves them.
+TEST_F(OtherLayouts, OfFilesImageByImageMayLiePackedBesideThemselves) {
+  write_imagewise("test_imagewise/");
+  write_text("test_imagewise/000001_000012.gt.json.gz", "not looked at");
+  EXPECT_EQ(images().images.size(), 2u);
 }
 
 TEST_F(OtherLayouts, OfFilesImageByImageSayWhatIsWrong) {

@@ -60,6 +60,9 @@ TEST(PlainText, InOneLineHasNoNumberWithoutAnEnd) {
   EXPECT_EQ(in_one_line("is " + forty + ", must\nbe 1"), "is " + forty + ", must be 1");
   EXPECT_EQ(in_one_line("is 1" + std::string(300, '0') + ", must be 1"),
             "is 100000000000... (301 digits), must be 1");
+  // But for those of names, which are copied from the line.
+  const std::string name = "/data/" + std::string(45, '7') + "/a.csv: is missing";
+  EXPECT_EQ(in_one_line(name), name);
   EXPECT_EQ(in_one_line(""), "");
 }
 

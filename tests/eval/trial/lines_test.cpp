@@ -11,6 +11,7 @@
 #include "eval/study/study_file.h"
 #include "eval/summary/trial_bounds.h"
 #include "eval/trial/line_labels.h"
+#include "features/image_line.h"
 #include "tests/eval/studies.h"
 
 namespace sightline {
@@ -86,6 +87,39 @@ TEST(Lines, ThatLieOffTheirEdgeAreWrong) {
                      trial.record.true_cam_from_target, study.images()->setups[0].limits)) {
     EXPECT_EQ(line.label, LineLabel::kWrong) << name_of(line);
   }
+}
+
+// The offset is that where the edge pixels are, which may be far from the line's point.
+TEST(Lines, ThatAreTurnedAboutAFarPointAreWrong) {
+  const Study study = any_side(true);
+  Renderer renderer;
+  size_t turned = 0;
+  for (int64_t i = 0; i < 4; ++i) {
+    const Trial trial = run_trial(study, i, renderer);
+    for (Observation observation : trial.observations) {
+      std::erase_if(observation.edge_lines, [](const EdgeLine& found) {
+        return (seen_middle(found.line) - found.line.point).norm() < 40;
+      });
+      for (EdgeLine& found : observation.edge_lines) {
+        Eigen::Vector2d& along = found.line.direction;
+        const Eigen::Vector2d middle = seen_middle(found.line);
+        along = (along + 0.25 * Eigen::Vector2d(-along.y(), along.x())).normalized();
+        const Eigen::Vector2d shift =
+            found.line.direction.dot(middle - found.line.point) * found.line.direction +
+            found.line.point - middle;
+        for (Eigen::Vector2d& pixel : found.line.edge_pixels) pixel += shift;
+        ++turned;
+      }
+      const std::vector<Observation> one = {observation};
+      for (const LineRecord& line :
+           compare_lines(one, *study.images()->target, trial.scene.camera,
+                         trial.record.true_cam_from_target, study.images()->setups[0].limits)) {
+        EXPECT_GT(std::abs(line.offset_px), 3) << name_of(line);
+        EXPECT_EQ(line.label, LineLabel::kWrong) << name_of(line);
+      }
+    }
+  }
+  EXPECT_GT(turned, 0U);
 }
 
 // Of a study cube-lines: the mean NEES of consensus, the mean bound, and the trials.
