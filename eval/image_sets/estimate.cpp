@@ -81,6 +81,14 @@ std::string in_time(double seconds) {
   return fmt::format("{:.1f} h", seconds / 3600);
 }
 
+std::string truth_name(const SetPlan& plan) {
+  return plan.has_full_truth ? "full" : "minimal";
+}
+
+double depth_reach_m(const SetPlan& plan) {
+  return 65535 * plan.depth_scale / 1000;
+}
+
 // Each once, however many cells there are.
 std::string notes_on_surfaces(const SetPlan& plan) {
   std::vector<std::string> lines;
@@ -101,7 +109,7 @@ std::string notes_on_surfaces(const SetPlan& plan) {
 
 std::string warnings_of(const SetPlan& plan) {
   std::string text;
-  const double reach_m = 65535 * plan.depth_scale / 1000;
+  const double reach_m = depth_reach_m(plan);
   const double far_m = farthest_m(plan.images());
   if (reach_m < far_m) {
     text += fmt::format(
@@ -117,7 +125,7 @@ std::string warnings_of(const SetPlan& plan) {
   return text;
 }
 
-std::string estimate_set(const SetPlan& plan, int jobs, const fs::path& out) {
+SetEstimate estimate_set(const SetPlan& plan, int jobs, const fs::path& out) {
   Renderer renderer({.gl = gl_choice(plan.gl).value()});
   Cost cost;
   Cost warm_up;
@@ -126,29 +134,69 @@ std::string estimate_set(const SetPlan& plan, int jobs, const fs::path& out) {
   for (int64_t i = 0; i < samples; ++i) {
     add_image(cost, plan, i * plan.count / samples, renderer);
   }
-  if (cost.images == 0) return "none of the sampled scenes can be imaged\n";
+  SetEstimate estimate;
+  estimate.sampled = cost.images;
+  estimate.jobs = jobs;
+  if (cost.images == 0) return estimate;
   const double n = cost.images;
-  const double image_ms = (cost.render_ms + cost.encode_ms) / n;
   const auto images = static_cast<double>(plan.count);
-  const double disk = kBlock * cost.blocks / n * images;
+  estimate.render_ms = cost.render_ms / n;
+  estimate.encode_ms = cost.encode_ms / n;
+  estimate.image_files = cost.files / n;
+  estimate.image_bytes = cost.bytes / n;
+  estimate.seconds = (cost.render_ms + cost.encode_ms) / n * images / 1000 / jobs;
+  estimate.files = cost.files / n * images;
+  estimate.bytes = cost.bytes / n * images;
+  estimate.disk_bytes = kBlock * cost.blocks / n * images;
+  estimate.free_bytes = free_bytes(out);
+  return estimate;
+}
+
+std::string text_of(const SetEstimate& estimate, const SetPlan& plan) {
+  if (estimate.sampled == 0) return "none of the sampled scenes can be imaged\n";
+  const Camera& camera = plan.images().setups.front().scene.camera;
   std::string text = fmt::format(
       "{} images of {} x {} px, {} a scene, format {}, truth {}\n"
       "an image    {:.1f} ms to render, {:.1f} ms to encode, {:.3g} files, {}\n"
       "time        {} with {} job{} ({:.0f} images/s, if there is a processor for each)\n"
       "disk        {} in {:.0f} files, {} in blocks of {} bytes\n",
-      plan.count, plan.images().setups.front().scene.camera.width_px,
-      plan.images().setups.front().scene.camera.height_px, plan.chunk, plan.format->name,
-      plan.has_full_truth ? "full" : "minimal", cost.render_ms / n, cost.encode_ms / n,
-      cost.files / n, in_bytes(cost.bytes / n), in_time(image_ms * images / 1000 / jobs), jobs,
-      jobs == 1 ? "" : "s", 1000 * jobs / image_ms, in_bytes(cost.bytes / n * images),
-      cost.files / n * images, in_bytes(disk), kBlock);
+      plan.count, camera.width_px, camera.height_px, plan.chunk, plan.format->name,
+      truth_name(plan), estimate.render_ms, estimate.encode_ms, estimate.image_files,
+      in_bytes(estimate.image_bytes), in_time(estimate.seconds), estimate.jobs,
+      estimate.jobs == 1 ? "" : "s", static_cast<double>(plan.count) / estimate.seconds,
+      in_bytes(estimate.bytes), estimate.files, in_bytes(estimate.disk_bytes), kBlock);
   text += fmt::format("depth_scale {} mm a step: reaches {:.6g} m, the scenes reach {:.6g} m\n",
-                      plan.depth_scale, 65.535 * plan.depth_scale, farthest_m(plan.images()));
-  const std::optional<double> free = free_bytes(out);
-  if (free && *free < disk) {
-    text += fmt::format("warning: only {} are free there\n", in_bytes(*free));
+                      plan.depth_scale, depth_reach_m(plan), farthest_m(plan.images()));
+  if (estimate.free_bytes && *estimate.free_bytes < estimate.disk_bytes) {
+    text += fmt::format("warning: only {} are free there\n", in_bytes(*estimate.free_bytes));
   }
   return text;
+}
+
+Json json_of(const SetEstimate& estimate, const SetPlan& plan) {
+  const Camera& camera = plan.images().setups.front().scene.camera;
+  Json json = {{"images", plan.count},
+               {"width_px", camera.width_px},
+               {"height_px", camera.height_px},
+               {"scene_size", plan.chunk},
+               {"format", plan.format->name},
+               {"truth", truth_name(plan)},
+               {"depth_scale_mm", plan.depth_scale},
+               {"depth_reach_m", depth_reach_m(plan)},
+               {"scenes_reach_m", farthest_m(plan.images())},
+               {"sampled_images", estimate.sampled},
+               {"jobs", estimate.jobs}};
+  if (estimate.sampled == 0) return json;
+  json["image"] = {{"render_ms", estimate.render_ms},
+                   {"encode_ms", estimate.encode_ms},
+                   {"files", estimate.image_files},
+                   {"bytes", estimate.image_bytes}};
+  json["seconds"] = estimate.seconds;
+  json["files"] = estimate.files;
+  json["bytes"] = estimate.bytes;
+  json["disk_bytes"] = estimate.disk_bytes;
+  json["free_bytes"] = estimate.free_bytes ? Json(*estimate.free_bytes) : Json(nullptr);
+  return json;
 }
 
 }  // namespace sightline

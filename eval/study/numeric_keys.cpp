@@ -84,6 +84,19 @@ void require_edges_alone(const TomlTable& table, const NumericSetup& setup) {
   }
 }
 
+// Wrong lines need lines, and edges enough that each is one.
+void require_edges_for_wrong_lines(const TomlTable& outliers, const NumericStudy& study) {
+  const NumericSetup& setup = study.setups.back();
+  if (setup.planted.lines == 0) return;
+  if (!setup.edges.has_lines()) {
+    outliers.fail("lines", "must be 0 where edges.observed is neither \"lines\" nor \"both\"");
+  }
+  const size_t edges = different_edges(*study.target, study.features).size();
+  if (static_cast<size_t>(setup.planted.lines) <= edges) return;
+  outliers.fail("lines", fmt::format("is {}, but the features have only {} edges",
+                                     setup.planted.lines, edges));
+}
+
 // The cells of one set-up: its noise and outliers, where these are swept by themselves.
 void add_numeric_cells(const TomlTable& table, const Condition& swept, NumericStudy& study,
                        std::vector<Condition>& conditions) {
@@ -96,6 +109,7 @@ void add_numeric_cells(const TomlTable& table, const Condition& swept, NumericSt
   const Axis counts = read_outlier_counts(sweep, outliers, study);
   const int setup = static_cast<int>(study.setups.size()) - 1;
   require_edges_alone(table, study.setups.back());
+  require_edges_for_wrong_lines(outliers, study);
   for (const double count : counts.values) {
     const std::string reason = why_not_plantable(
         study.setups.back().planted, static_cast<int>(count), *study.target, study.features);

@@ -34,6 +34,14 @@ std::vector<Key> keys_of(PlantedOutliers& planted) {
        "of a numeric study: how probable it is that a point beyond outliers.count is displaced "
        "too"},
       {"outliers",
+       "lines",
+       &planted.lines,
+       {0, 1000},
+       "",
+       "of a numeric study with edges.observed = \"lines\" or \"both\": wrong lines of a trial, "
+       "each "
+       "displaced across itself at either end by a size of the law, to either side"},
+      {"outliers",
        "model",
        Described{"none", "a text"},
        {},
@@ -64,6 +72,11 @@ std::string why_not_plantable(const PlantedOutliers& law, int outliers, const Ta
                               std::span<const int> features) {
   if (law.law == OutlierLaw::kTailed && !(law.size_px.min > 0)) {
     return "is \"tailed\", whose size_px must begin above 0";
+  }
+  const bool has_sizes = law.law == OutlierLaw::kUniform || law.law == OutlierLaw::kFixed ||
+                         law.law == OutlierLaw::kTailed;
+  if (law.lines > 0 && !has_sizes) {
+    return "must be \"uniform\", \"fixed\" or \"tailed\" where outliers.lines is above 0";
   }
   if (law.law != OutlierLaw::kSwapped) return "";
   if (law.rate > 0) return "is \"swapped\", which makes outliers in pairs: outliers.rate must be 0";

@@ -31,6 +31,9 @@ struct PlantedOutliers {
   Range size_px{15, 30};
   double rate = 0;  ///< of the points beyond their stated number, how probable each is displaced
   std::shared_ptr<const OutlierModel> model;  ///< of kModel
+  /// Lines that are wrong: across each, either of its ends is displaced by a size of the law, to
+  /// either side. A trial with fewer lines has no right one.
+  int lines = 0;
 };
 
 /// The keys of [outliers], but for how many outliers a trial has.
@@ -41,8 +44,8 @@ std::vector<Key> keys_of(PlantedOutliers& planted);
 std::vector<std::pair<int, int>> mirrored_pairs(const Target& target,
                                                 std::span<const int> features);
 
-/// Why the law cannot make so many of these features outliers, in words for the user; empty when it
-/// can.
+/// Why the law cannot make so many of these features, and of lines so many as it says, outliers, in
+/// words for the user; empty when it can.
 std::string why_not_plantable(const PlantedOutliers& law, int outliers, const Target& target,
                               std::span<const int> features);
 

@@ -28,6 +28,10 @@ std::optional<ImagedEdge> imaged(const Edge& edge, const Camera& camera, const P
 
 }  // namespace
 
+const Edge& edge_of(const Target& target, const OwnEdge& own) {
+  return target.features[own.feature].edges[static_cast<size_t>(own.edge)];
+}
+
 std::vector<Key> keys_of(SeenEdges& edges) {
   using Observed = SeenEdges::Observed;
   return {
@@ -50,27 +54,33 @@ std::vector<Key> keys_of(SeenEdges& edges) {
        "of a numeric study: how far along its edges a point is found"}};
 }
 
+std::vector<OwnEdge> different_edges(const Target& target, std::span<const int> features) {
+  std::vector<OwnEdge> different;
+  for (const int feature : features) {
+    const std::vector<Edge>& own = target.features[feature].edges;
+    for (size_t i = 0; i < own.size(); ++i) {
+      const auto is_own = [&](const OwnEdge& other) {
+        return is_same_edge(edge_of(target, other), own[i]);
+      };
+      if (std::ranges::any_of(different, is_own)) continue;
+      different.push_back({feature, static_cast<int>(i)});
+    }
+  }
+  return different;
+}
+
 std::vector<SeenEdge> seen_lines(const SeenEdges& edges, const Target& target,
                                  std::span<const int> features, const Camera& camera,
                                  const Pose& cam_from_target) {
   constexpr double kFewestPx = 8;
   std::vector<SeenEdge> seen;
   if (!edges.has_lines()) return seen;
-  std::vector<const Edge*> taken;
-  for (const int feature : features) {
-    const std::vector<Edge>& own = target.features[feature].edges;
-    for (size_t i = 0; i < own.size(); ++i) {
-      if (std::ranges::any_of(taken,
-                              [&](const Edge* other) { return is_same_edge(*other, own[i]); })) {
-        continue;
-      }
-      taken.push_back(&own[i]);
-      const auto image = imaged(own[i], camera, cam_from_target);
-      if (!image) continue;
-      const double used_px = edges.has_points() ? 2 * edges.reach_px : 0;
-      const double length_px = image->length_px - used_px;
-      if (length_px >= kFewestPx) seen.push_back({feature, static_cast<int>(i), length_px});
-    }
+  for (const OwnEdge& own : different_edges(target, features)) {
+    const auto image = imaged(edge_of(target, own), camera, cam_from_target);
+    if (!image) continue;
+    const double used_px = edges.has_points() ? 2 * edges.reach_px : 0;
+    const double length_px = image->length_px - used_px;
+    if (length_px >= kFewestPx) seen.push_back({own, length_px});
   }
   return seen;
 }

@@ -33,15 +33,25 @@ struct SeenEdges {
 /// Their keys, which stand in [edges].
 std::vector<Key> keys_of(SeenEdges& edges);
 
-/// An edge of the target that is seen as a line: of which feature, and which of its edges.
+/// An edge of one of a target's features.
+struct OwnEdge {
+  int feature = 0;  ///< index into the target's
+  int edge = 0;     ///< index into the feature's
+};
+
+const Edge& edge_of(const Target& target, const OwnEdge& own);
+
+/// The edges of these features, each once, though two features have it.
+std::vector<OwnEdge> different_edges(const Target& target, std::span<const int> features);
+
+/// An edge that is seen as a line.
 struct SeenEdge {
-  int feature = 0;
-  int edge = 0;
+  OwnEdge of;
   double length_px = 0;  ///< of what the line is fitted to, in the middle of the edge
 };
 
-/// The edges of these features that are lines, each once, though two features have it. None with
-/// an end behind the camera, and none of which less than a few pixels are left.
+/// The edges of these features that are lines. None with an end behind the camera, and none of
+/// which less than a few pixels are left.
 std::vector<SeenEdge> seen_lines(const SeenEdges& edges, const Target& target,
                                  std::span<const int> features, const Camera& camera,
                                  const Pose& cam_from_target);

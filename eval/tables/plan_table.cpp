@@ -36,4 +36,25 @@ std::string plan_table(const Study& study, const Summary& summary, double target
   return text + wrapped(fmt::format("The most: --trials {}", *most));
 }
 
+Json plan_json(const Study& study, const Summary& summary, double target) {
+  Json json = {{"study", study.name},
+               {"seed", study.seed},
+               {"pilot_trials", study.draws},
+               {"relative_half_width", target},
+               {"cells", Json::array()}};
+  Json most = nullptr;
+  for (const std::string& solver : study.solver_names()) {
+    const auto cells = cells_of(summary, solver);
+    for (size_t i = 0; i < cells.size(); ++i) {
+      const std::optional<int64_t> needed = trials_needed(*cells[i], target);
+      const Json trials = needed ? Json(*needed) : Json(nullptr);
+      json["cells"].push_back(
+          {{"condition", study.conditions[i].label}, {"solver", solver}, {"trials", trials}});
+      if (needed && (most.is_null() || *needed > most)) most = *needed;
+    }
+  }
+  json["trials"] = most;
+  return json;
+}
+
 }  // namespace sightline

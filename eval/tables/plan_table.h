@@ -4,6 +4,7 @@
 
 #include <string>
 
+#include "eval/output/json.h"
 #include "eval/study/study.h"
 #include "eval/summary/summary.h"
 
@@ -12,5 +13,8 @@ namespace sightline {
 /// How many trials each cell needs for 95 % intervals of its means of +- `target` of them, from the
 /// summary of a pilot: a row a condition, a column a solver, and the most of all.
 std::string plan_table(const Study& study, const Summary& summary, double target);
+
+/// The same as JSON: null where the pilot says nothing.
+Json plan_json(const Study& study, const Summary& summary, double target);
 
 }  // namespace sightline

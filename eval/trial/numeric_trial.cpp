@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include <Eigen/Cholesky>
@@ -71,6 +72,10 @@ double size_by_law(const PlantedOutliers& law, double uniform_px) {
   return min * max / (max + min - uniform_px);  // the share above a size falls with its inverse
 }
 
+double drawn_size_px(const PlantedOutliers& law, RandomStream& stream) {
+  return size_by_law(law, stream.uniform(law.size_px.min, law.size_px.max));
+}
+
 // Features as points where the lines along their edges meet, with the noise that this leaves them.
 // Those whose edges do not meet are missing; where there are lines alone, all are.
 void add_corner_noise(const NumericStudy& study, const NumericSetup& setup, double sd_px,
@@ -91,37 +96,76 @@ void add_corner_noise(const NumericStudy& study, const NumericSetup& setup, doub
   }
 }
 
+// What is wrong with a line, beside its noise.
+struct LineError {
+  double offset_px = 0;  // in the middle of the line, along its normal
+  double slope = 0;
+  bool is_planted = false;
+};
+
+// One a line. Those that are wrong pass as far from the ends of what is seen of their edges as the
+// law says.
+std::vector<LineError> planted_line_errors(const PlantedOutliers& law,
+                                           std::span<const SeenEdge> seen, RandomStream& stream) {
+  std::vector<LineError> errors(seen.size());
+  std::vector<size_t> lines(seen.size());
+  std::iota(lines.begin(), lines.end(), size_t{0});
+  const int possible = std::min(law.lines, static_cast<int>(seen.size()));
+  draw_to_front(lines, possible, stream);
+  const auto drawn_at_end = [&] {
+    const double size_px = drawn_size_px(law, stream);
+    return stream.uniform() < 0.5 ? -size_px : size_px;
+  };
+  for (const size_t line : std::span(lines).first(static_cast<size_t>(possible))) {
+    const double begin_px = drawn_at_end(), end_px = drawn_at_end();
+    errors[line] = {(begin_px + end_px) / 2, (end_px - begin_px) / seen[line].length_px, true};
+  }
+  return errors;
+}
+
+// A line along an edge, whose noise is drawn.
+LineRecord drawn_line(const Target& target, const SeenEdge& seen, const LineError& error,
+                      const Camera& camera, const Pose& truth, double sd_px, RandomStream& stream) {
+  const Edge& edge = edge_of(target, seen.of);
+  const Eigen::Vector2d begin = project(camera, truth * edge.begin_m).value();
+  const Eigen::Vector2d end = project(camera, truth * edge.end_m).value();
+  const Eigen::Vector2d direction = (end - begin).normalized();
+  const Eigen::Vector2d normal(-direction.y(), direction.x());
+  const Eigen::Matrix2d covariance = covariance_of_edge_pixels(seen.length_px, 1, sd_px);
+  const Eigen::Vector2d sd = covariance.diagonal().cwiseSqrt();
+  const double offset_sigmas = stream.normal() + error.offset_px / sd.x();
+  const double slope_sigmas = stream.normal() + error.slope / sd.y();
+  LineRecord line;
+  line.feature = target.features[seen.of.feature].name;
+  line.edge = seen.of.edge;
+  line.label = error.is_planted ? LineLabel::kWrong : LineLabel::kRight;
+  line.offset_px = -sd.x() * offset_sigmas;
+  line.pixel = (begin + end) / 2 - line.offset_px * normal;
+  line.direction = (direction + sd.y() * slope_sigmas * normal).normalized();
+  line.offset_variance_px2 = covariance(0, 0);
+  line.slope_variance = covariance(1, 1);
+  line.error_sigmas = std::hypot(offset_sigmas, slope_sigmas);
+  return line;
+}
+
 // The edges that are seen as lines, with the noise of their edge pixels.
 std::vector<LineRecord> drawn_lines(const NumericStudy& study, const NumericSetup& setup,
-                                    const Pose& truth, double sd_px, RandomStream& stream) {
+                                    const Pose& truth, double sd_px, uint64_t seed, int64_t trial) {
+  RandomStream noise(seed, "lines", trial), outliers(seed, "line_outliers", trial);
+  const std::vector<SeenEdge> seen =
+      seen_lines(setup.edges, *study.target, study.features, setup.camera, truth);
+  const std::vector<LineError> errors = planted_line_errors(setup.planted, seen, outliers);
   std::vector<LineRecord> lines;
-  for (const SeenEdge& seen :
-       seen_lines(setup.edges, *study.target, study.features, setup.camera, truth)) {
-    const TargetFeature& feature = study.target->features[seen.feature];
-    const Edge& edge = feature.edges[static_cast<size_t>(seen.edge)];
-    const Eigen::Vector2d begin = project(setup.camera, truth * edge.begin_m).value();
-    const Eigen::Vector2d end = project(setup.camera, truth * edge.end_m).value();
-    const Eigen::Vector2d direction = (end - begin).normalized();
-    const Eigen::Vector2d normal(-direction.y(), direction.x());
-    const Eigen::Matrix2d covariance = covariance_of_edge_pixels(seen.length_px, 1, sd_px);
-    const double offset = stream.normal(), slope = stream.normal();
-    LineRecord& line = lines.emplace_back();
-    line.feature = feature.name;
-    line.edge = seen.edge;
-    line.offset_px = -std::sqrt(covariance(0, 0)) * offset;
-    line.pixel = (begin + end) / 2 - line.offset_px * normal;
-    line.direction = (direction + std::sqrt(covariance(1, 1)) * slope * normal).normalized();
-    line.offset_variance_px2 = covariance(0, 0);
-    line.slope_variance = covariance(1, 1);
-    line.error_sigmas = std::hypot(offset, slope);
+  for (size_t i = 0; i < seen.size(); ++i) {
+    lines.push_back(
+        drawn_line(*study.target, seen[i], errors[i], setup.camera, truth, sd_px, noise));
   }
   return lines;
 }
 
 Eigen::Vector2d drawn_displacement(const PlantedOutliers& law, RandomStream& stream) {
   const double angle = 2 * std::numbers::pi * stream.uniform();
-  const double size_px = size_by_law(law, stream.uniform(law.size_px.min, law.size_px.max));
-  return size_px * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  return drawn_size_px(law, stream) * Eigen::Vector2d(std::cos(angle), std::sin(angle));
 }
 
 // How many outliers a trial has: the stated number, and each other point by chance.
@@ -250,9 +294,8 @@ TrialRecord run_numeric_trial(const NumericStudy& study, uint64_t seed, int64_t 
     add_noise(setup.noise, cell.noise_px, noise_stream, trial.observations);
   } else {
     add_corner_noise(study, setup, cell.noise_px, noise_stream, record);
-    RandomStream line_stream(seed, "lines", index);
     trial.lines =
-        drawn_lines(study, setup, record.true_cam_from_target, cell.noise_px, line_stream);
+        drawn_lines(study, setup, record.true_cam_from_target, cell.noise_px, seed, index);
   }
   RandomStream outlier_stream(seed, "outliers", index);
   const int outliers = drawn_count(study, cell, seed, index);

@@ -20,8 +20,8 @@
 namespace sightline {
 namespace {
 
-constexpr int kFewestSamples = 8;
-constexpr double kMaxSdPx = 1.5;  // of the shift in its worst direction
+constexpr int kFewestOutlineSamples = 8;
+constexpr double kMaxShiftSdPx = 1.5;  // of the shift in its worst direction
 
 // Votes for shifts, in cells of a pixel.
 class Votes {
@@ -216,7 +216,7 @@ Observation laid(const ExtractionInput& input, const std::vector<OutlineSample>&
                        floor_px(input.prediction.kind, observation.contrast_grey, polarity);
   observation.covariance_px2 =
       outline.covariance().topLeftCorner<2, 2>() + floor * floor * Eigen::Matrix2d::Identity();
-  if (!(worst_sd_px(observation.covariance_px2) <= kMaxSdPx)) {
+  if (!(worst_sd_px(observation.covariance_px2) <= kMaxShiftSdPx)) {
     observation.status = ObservationStatus::kParallelLines;
     return observation;
   }
@@ -238,7 +238,7 @@ Observation extract_contour(const ExtractionInput& input) {
   }
   const std::vector<OutlineSample> samples =
       outermost(predict_outline(input.view, input.prediction, options.outline_reach_px));
-  if (samples.size() < kFewestSamples) {
+  if (samples.size() < kFewestOutlineSamples) {
     observation.status = ObservationStatus::kNoOutline;
     return observation;
   }
@@ -246,7 +246,7 @@ Observation extract_contour(const ExtractionInput& input) {
   const std::vector<EdgePeaks> peaks = peaks_at(input, samples, polarity);
   OutlineMotion outline(samples, feature, voted_shift(input, samples, peaks),
                         is_prior_good(input) ? 0 : options.turn_sd_rad);
-  const auto chosen = fit_to_peaks(peaks, kFewestSamples, outline);
+  const auto chosen = fit_to_peaks(peaks, kFewestOutlineSamples, outline);
   if (!chosen) {
     observation.status = ObservationStatus::kTooFewEdgePixels;
     return observation;

@@ -14,13 +14,13 @@
 namespace sightline {
 namespace {
 
-constexpr int kSobelAperture = 3;
+constexpr int kHarrisAperture = 3;
 constexpr double kHarrisK = 0.04;
 constexpr int kRefineHalfPx = 5;
 constexpr double kMaxMovePx = 4;
 // Harris' response, as OpenCV scales it, at a right-angled corner of contrast 1 blurred by 0.7 px
 // under a block of 5 px: it grows with the fourth power of the contrast. Measured.
-constexpr double kResponseOfUnitCorner = 0.02;
+constexpr double kHarrisOfUnitCorner = 0.02;
 // Of a refined corner, in each coordinate: an upper estimate. The test OnAPlate holds it to no less
 // than the error on a plate with noise of 3 grey levels.
 constexpr double kSdPx = 0.4;
@@ -41,16 +41,16 @@ Observation extract_harris_subpixel(const ExtractionInput& input) {
 
   Observation observation = nothing_found(input);
   cv::Mat response;
-  cv::cornerHarris(grey, response, options.block_px, kSobelAperture, kHarrisK);
+  cv::cornerHarris(grey, response, options.block_px, kHarrisAperture, kHarrisK);
   double best = 0;
   cv::minMaxLoc(response, nullptr, &best, nullptr, nullptr, mask);
   const double contrast2 = options.min_contrast_grey * options.min_contrast_grey;
-  const double least = kResponseOfUnitCorner * contrast2 * contrast2;
+  const double least = kHarrisOfUnitCorner * contrast2 * contrast2;
   if (!(best >= least) || !(best > 0)) return observation;
   std::vector<cv::Point2f> found;
   cv::goodFeaturesToTrack(grey, found, options.max_corners,
                           std::max(options.quality * options.quality, least / best),
-                          options.min_distance_px, mask, options.block_px, kSobelAperture,
+                          options.min_distance_px, mask, options.block_px, kHarrisAperture,
                           /*useHarrisDetector=*/true, kHarrisK);
   if (found.empty()) return observation;
   const std::vector<cv::Point2f> whole = found;

@@ -47,7 +47,7 @@ constexpr double kFloorPx = 0.007;
 constexpr double kSoftFloorPx = 0.3;
 constexpr size_t kMostEdges = 4;  // of a feature: all combinations of their lines are tried
 constexpr size_t kMostLines = 5;  // that an edge may have
-constexpr double kMaxSdPx = 1.7;  // in its worst direction of a feature at a small angle
+constexpr double kMaxLooseSdPx = 1.7;  // in its worst direction of a feature at a small angle
 
 LineOptions canny_by_noise(LineOptions options, double noise_sd_grey) {
   const double noise = kSobelNoise * noise_sd_grey;
@@ -377,7 +377,7 @@ Observation extract_hough_subpixel(const ExtractionInput& input) {
   if (observation.status != ObservationStatus::kFound) return observation;
   observation.contrast_grey = weakest_contrast_grey(observation.lines);
   // Lines meet at a small angle that are not known well enough for it.
-  const bool is_loose = !(worst_sd_px(observation.covariance_px2) <= kMaxSdPx);
+  const bool is_loose = !(worst_sd_px(observation.covariance_px2) <= kMaxLooseSdPx);
   if (is_loose) observation.status = ObservationStatus::kParallelLines;
   observation.covariance_px2 = doubted_by_prior(input.prediction, observation);
   return observation;

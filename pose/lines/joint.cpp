@@ -3,6 +3,7 @@
 #include "pose/lines/joint.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -58,11 +59,17 @@ void add_lines(const PoseProblem& problem, Joint& joint) {
   }
 }
 
-/// How many numbers the observations say of the pose.
-int numbers_of(const Joint& joint) {
-  int numbers = 0;
-  for (const Observed& observed : joint.observed) numbers += observed.numbers;
-  return numbers;
+/// Whether two observations are of one point, or of one edge.
+bool is_same(const Joint& joint, const Observed& a, const Observed& b) {
+  if (a.is_line != b.is_line) return false;
+  if (!a.is_line)
+    return joint.points.points_in_centred[a.first] == joint.points.points_in_centred[b.first];
+  const EdgePoint& edge = joint.edges[a.first];
+  const EdgePoint& other = joint.edges[b.first];
+  return (edge.begin_in_target == other.begin_in_target &&
+          edge.end_in_target == other.end_in_target) ||
+         (edge.begin_in_target == other.end_in_target &&
+          edge.end_in_target == other.begin_in_target);
 }
 
 /// The middle of all that is seen of the target.
@@ -214,11 +221,38 @@ PreparedJoint prepare_joint(const PoseProblem& problem) {
   joint.observed.reserve(problem.pixels.size() + problem.lines.size());
   add_points(problem, joint);
   add_lines(problem, joint);
-  if (numbers_of(joint) < 2 * static_cast<int>(fewest)) return prepared;
+  if (!is_determined(joint, {}, fewest)) return prepared;
   centre(joint);
   if (initial) joint.initial_cam_from_centred = to_centred(*initial, joint.points);
   prepared.status = PoseStatus::kOk;
   return prepared;
+}
+
+bool is_determined(const Joint& joint, std::span<const double> weights, std::size_t fewest) {
+  struct Told {
+    const Observed* observed = nullptr;
+    int numbers = 0;
+  };
+  std::array<Told, 2 * kFewest> all;
+  std::size_t count = 0;
+  int numbers = 0;
+  for (std::size_t i = 0; i < joint.observed.size(); ++i) {
+    if (!weights.empty() && !(weights[i] > 0.5)) continue;
+    const Observed& observed = joint.observed[i];
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto told = std::find_if(all.begin(), end, [&](const Told& other) {
+      return is_same(joint, *other.observed, observed);
+    });
+    if (told == end) {
+      *told = {&observed, 0};
+      ++count;
+    }
+    const int more = std::min(observed.numbers, 2 - told->numbers);
+    told->numbers += more;
+    numbers += more;
+    if (numbers >= 2 * static_cast<int>(fewest)) return true;
+  }
+  return false;
 }
 
 bool is_noise_known(const PoseProblem& problem) {

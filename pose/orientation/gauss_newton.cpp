@@ -29,7 +29,7 @@ constexpr int kMaxIterations = 1000;
 constexpr int kMaxHalvings = 40;
 constexpr double kLargestStep_rad = 1;
 /// The squared thickness of the cloud over its squared length below which it is a line.
-constexpr double kSmallestSpread = 1e-14;
+constexpr double kLeastSpread = 1e-14;
 
 struct Problem {
   Eigen::Matrix3d cross;
@@ -76,7 +76,7 @@ Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> curvature(const Eigen::Matrix3d& 
 OrientationEstimate orient_by_gauss_newton(const PairMoments& moments) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(moments.spread_a);
   const Eigen::Vector3d& extents2 = spread.eigenvalues();  // ascending
-  if (!(extents2[1] > kSmallestSpread * extents2[2])) return {OrientationStatus::kDegenerate, {}};
+  if (!(extents2[1] > kLeastSpread * extents2[2])) return {OrientationStatus::kDegenerate, {}};
   const Eigen::Vector3d inverse(1 / (extents2[1] + extents2[2]), 1 / (extents2[2] + extents2[0]),
                                 1 / (extents2[0] + extents2[1]));
   const double norm = moments.cross.norm();

@@ -227,14 +227,14 @@ class Sampling {
   std::vector<Candidate> candidates_;
 };
 
-struct Search {
+struct SampleSearch {
   Candidate best;  ///< of infinite cost when there is none
   int iterations = 0;
 };
 
-Search best_pose(const WhitenedCorrespondences& c, const std::optional<Pose>& initial,
+SampleSearch best_pose(const WhitenedCorrespondences& c, const std::optional<Pose>& initial,
                  const Rule& rule, const LspeOptions& options) {
-  Search search;
+  SampleSearch search;
   for (const Candidate& candidate : Sampling(c, rule, options).run(initial)) {
     const Refined refined = refine(c, candidate.cam_from_centred, rule, options);
     search.iterations += refined.solution.iterations;
@@ -310,7 +310,7 @@ PoseEstimate solve_ransac_p3p(const PoseProblem& problem, const SolverOptions& o
   const Rule rule = is_sigma_known
                         ? Rule{squared_threshold(rate, n) * c.sigma * c.sigma, least_kept}
                         : Rule{0, trimmed_to};
-  const Search search = best_pose(c, initial, rule, options.lspe);
+  const SampleSearch search = best_pose(c, initial, rule, options.lspe);
   if (!std::isfinite(search.best.cost)) return estimate_of_failure(PoseStatus::kDegenerate);
   Refined refined = is_sigma_known ? refine(c, search.best.cam_from_centred, rule, options.lspe)
                                    : refine_with_sigma(c, search.best, trimmed_to, least_kept,

@@ -3,14 +3,13 @@
 #include "scenes/scene/light.h"
 
 #include <cmath>
-#include <numbers>
 
 #include <Eigen/Geometry>
 
+#include "pose/angles.h"
+
 namespace sightline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 void require_factors(const TomlTable& table, std::string_view key, const Eigen::Vector3d& factors) {
   if (factors.minCoeff() >= 0 && factors.maxCoeff() <= 1) return;

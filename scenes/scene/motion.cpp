@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "pose/angles.h"
+
 namespace sightline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 std::vector<double> numbers_of(const Eigen::Vector3d& v) {
   return {v.x(), v.y(), v.z()};

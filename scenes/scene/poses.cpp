@@ -6,12 +6,11 @@
 
 #include <Eigen/Geometry>
 
+#include "pose/angles.h"
 #include "pose/attitude.h"
 
 namespace sightline {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
 
 // Keys of poses that are drawn.
 constexpr const char* kDrawnKeys[] = {"angle_deg", "attitude", "tilt_deg",   "lateral_m",

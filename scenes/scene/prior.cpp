@@ -3,15 +3,10 @@
 #include "scenes/scene/prior.h"
 
 #include <algorithm>
-#include <numbers>
+
+#include "pose/angles.h"
 
 namespace sightline {
-namespace {
-
-constexpr double kDegree = std::numbers::pi / 180;
-
-}  // namespace
-
 std::vector<Key> keys_of(PriorError& error) {
   return {
       {"prior",

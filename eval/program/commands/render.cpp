@@ -105,7 +105,8 @@ int run_render(RenderArguments& arguments) {
   const SetPlan plan = plan_set(arguments.request);
   std::cerr << warnings_of(plan);
   if (arguments.is_dry_run) {
-    std::cout << estimate_set(plan, arguments.options.jobs, arguments.out);
+    const SetEstimate estimate = estimate_set(plan, arguments.options.jobs, arguments.out);
+    std::cout << (arguments.is_json ? json_text(json_of(estimate, plan)) : text_of(estimate, plan));
     return 0;
   }
   SetOptions& options = arguments.options;
@@ -188,9 +189,8 @@ void add_render(CLI::App& app, int& exit_code) {
   sub->add_flag("--dry-run", arguments->is_dry_run,
                 "Make a few images in memory and say what the set will take");
   sub->add_flag("--quiet", arguments->is_quiet, "No progress and no summary");
-  CLI::Option* json = sub->add_flag("--json", arguments->is_json,
-                                    "Print the summary, or what --verify finds, as JSON");
-  json->excludes(sub->get_option("--dry-run"));
+  sub->add_flag("--json", arguments->is_json,
+                "Print the summary, or what --dry-run or --verify finds, as JSON");
   auto* verify = sub->add_option("--verify", arguments->verified,
                                  "Re-read the set in this folder and say what is missing, torn or "
                                  "inconsistent (exit code 1 if anything)");

@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "eval/output/json.h"
 #include "eval/output/terminal.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/mesh_options.h"
@@ -40,7 +41,9 @@ int plan_command(const StudyArguments& arguments) {
   const PrivateFolder folder;
   options.out = folder.path() / "pilot";
   const Summary summary = run_pilot(study, options);
-  std::cout << shown(plan_table(study, summary, arguments.planned_width));
+  const double width = arguments.planned_width;
+  std::cout << (arguments.run.is_json ? json_text(plan_json(study, summary, width))
+                                      : shown(plan_table(study, summary, width)));
   return 0;
 }
 
@@ -93,8 +96,7 @@ void add_study(CLI::App& app, const std::string& command, int& exit_code) {
                   "Only say how many trials a condition needs for 95 % intervals of the means of "
                   "+- this part of them (0.05: 5 %), from a pilot of --trials [100] each")
       ->check(CLI::Range(1e-6, 1.0))
-      ->excludes(out)
-      ->excludes(sub->get_option("--json"));
+      ->excludes(out);
   sub->callback([arguments, command, &exit_code] {
     for (std::string& setting : mesh_settings(arguments->mesh)) {
       arguments->run.overrides.set.push_back(std::move(setting));

@@ -42,6 +42,30 @@ TEST_F(ProgramJson, OfAStudyIsItsSummary) {
   EXPECT_EQ(told["cells"][0]["trials"], 2);
 }
 
+TEST_F(ProgramJson, OfAPlanHasTheTrialsThatItsTableShows) {
+  const std::string command = fmt::format("{} 20 --plan 0.05 --quiet", kSmallStudy);
+  const Json told = printed(command);
+  const std::string table = run(command).output;
+  EXPECT_EQ(told["relative_half_width"], 0.05);
+  EXPECT_THAT(table, HasSubstr(fmt::format("--trials {}", told["trials"].get<int64_t>())));
+  ASSERT_GT(told["cells"].size(), 1u);
+  for (const Json& cell : told["cells"]) {
+    EXPECT_LE(cell["trials"], told["trials"]);
+    EXPECT_THAT(table, HasSubstr(fmt::to_string(cell["trials"].get<int64_t>())));
+  }
+}
+
+TEST_F(ProgramJson, OfADryRunIsWhatASetWillTake) {
+  const Json told = printed("render cube --count 1000 --dry-run --jobs 2 --out " + path("set"));
+  EXPECT_EQ(told["images"], 1000);
+  EXPECT_EQ(told["files"], 1000 * told["image"]["files"].get<double>());
+  EXPECT_GT(told["disk_bytes"], told["bytes"]);
+  EXPECT_DOUBLE_EQ(
+      told["seconds"].get<double>(),
+      (told["image"]["render_ms"].get<double>() + told["image"]["encode_ms"].get<double>()) / 2);
+  EXPECT_FALSE(std::filesystem::exists(path("set")));
+}
+
 TEST_F(ProgramJson, OfAComparisonHasEveryNumber) {
   ASSERT_EQ(run(fmt::format("{} 5 --quiet --out {}", kSmallStudy, path("base"))).exit_code, 0);
   ASSERT_EQ(run(fmt::format("{} 5 --quiet --set noise.scale=9 --out {}", kSmallStudy, path("now")))

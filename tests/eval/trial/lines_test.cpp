@@ -4,7 +4,9 @@
 // Lines as observations, from the image to the record.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "eval/records/line_records.h"
@@ -13,9 +15,12 @@
 #include "eval/trial/line_labels.h"
 #include "features/image_line.h"
 #include "tests/eval/studies.h"
+#include "tests/scenes/error_text.h"
 
 namespace sightline {
 namespace {
+
+using testing::HasSubstr;
 
 // The airliner from any side, one extractor.
 Study any_side(bool uses_lines) {
@@ -130,12 +135,14 @@ struct CubeLines {
   std::vector<TrialRecord> trials;
 };
 
+Study cube_lines_study(int trials, std::vector<std::string> settings) {
+  settings.insert(settings.begin(), {"sweep={}", "noise.pixel_px=1", "edges.observed='lines'"});
+  return read_study("cube-lines", {.trials = trials, .seed = 2, .set = settings});
+}
+
 CubeLines cube_lines(const std::string& observed) {
   constexpr int kTrials = 120;
-  const Study study = read_study(
-      "cube-lines", {.trials = kTrials,
-                     .seed = 2,
-                     .set = {"sweep={}", "noise.pixel_px=1", "edges.observed='" + observed + "'"}});
+  const Study study = cube_lines_study(kTrials, {"edges.observed='" + observed + "'"});
   const TrialBounds bounds(study);
   CubeLines out;
   for (int64_t i = 0; i < kTrials; ++i) {
@@ -169,6 +176,90 @@ TEST(CubeLines, PointsLoseWhatTheirReachLeaves) {
   for (const LineRecord& line : lines.trials[0].lines()) {
     EXPECT_LT(line.error_sigmas, 6);
   }
+}
+
+// Of what a line of one edge pixel a pixel is fitted to: its variances are sigma^2 / L and 12
+// sigma^2 / L^3.
+double line_length_px(const LineRecord& line) {
+  return std::sqrt(12 * line.offset_variance_px2 / line.slope_variance);
+}
+
+// How far a line passes from the ends of its edge's image, across itself, in px.
+std::pair<double, double> distances_at_ends(const LineRecord& record, const Study& study,
+                                            const Pose& truth) {
+  const NumericStudy& numeric = *study.numeric();
+  const LineObservation line = line_of(record, *numeric.target).value();
+  const Eigen::Vector2d normal(-line.direction.y(), line.direction.x());
+  const auto distance = [&](const Eigen::Vector3d& point) {
+    return std::abs(
+        normal.dot(project(numeric.setup_of(0).camera, truth * point).value() - line.pixel));
+  };
+  return {distance(line.begin_in_target), distance(line.end_in_target)};
+}
+
+TEST(CubeWrongLines, AreAsManyAndAsWrongAsIsSaidAndTheOthersAsTheyWere) {
+  const Study with = cube_lines_study(20, {"outliers.lines=3", "noise.pixel_px=0.001"});
+  const Study without = cube_lines_study(20, {"noise.pixel_px=0.001"});
+  for (int64_t i = 0; i < 20; ++i) {
+    const TrialRecord trial = run_numeric_trial(with, i), plain = run_numeric_trial(without, i);
+    ASSERT_EQ(trial.lines().size(), plain.lines().size());
+    EXPECT_EQ(std::ranges::count(trial.lines(), LineLabel::kWrong, &LineRecord::label), 3);
+    for (size_t k = 0; k < trial.lines().size(); ++k) {
+      const LineRecord& line = trial.lines()[k];
+      if (line.is_right()) {
+        EXPECT_EQ(line.pixel, plain.lines()[k].pixel);
+        EXPECT_EQ(line.direction, plain.lines()[k].direction);
+        EXPECT_LT(line.error_sigmas, 6);
+        continue;
+      }
+      EXPECT_GT(line.error_sigmas, 1000);
+      // Of 15 to 30 px along the edge's normal; that of the line leans by up to 60 px in the
+      // length.
+      const auto [begin_px, end_px] = distances_at_ends(line, with, trial.true_cam_from_target);
+      const double cosine = std::cos(std::atan(60 / line_length_px(line)));
+      for (const double px : {begin_px, end_px}) {
+        EXPECT_GT(px, 15 * cosine - 0.1);
+        EXPECT_LT(px, 30.1);
+      }
+    }
+  }
+}
+
+TEST(CubeWrongLines, AreLeftOutByConsensusAndSpoilLeastSquares) {
+  constexpr int kTrials = 100;
+  const Study study = cube_lines_study(kTrials, {"outliers.lines=3"});
+  const TrialBounds bounds(study);
+  std::vector<double> consensus_deg, lspe_deg;
+  double bound_deg = 0, nees = 0;
+  for (int64_t i = 0; i < kTrials; ++i) {
+    const TrialRecord trial = run_numeric_trial(study, i);
+    consensus_deg.push_back(trial.estimates()[0].geodesic_deg);
+    lspe_deg.push_back(trial.estimates()[1].geodesic_deg);
+    nees += trial.estimates()[0].nees.value() / kTrials;
+    bound_deg += bounds.of(trial).value().geodesic_deg / kTrials;
+  }
+  // The bound is of the right lines alone; a mean of 100 errors has a twentieth's standard
+  // deviation.
+  const auto mean = [](const std::vector<double>& v) {
+    return std::accumulate(v.begin(), v.end(), 0.0) / static_cast<double>(v.size());
+  };
+  EXPECT_NEAR(mean(consensus_deg), bound_deg, 0.2 * bound_deg);
+  EXPECT_NEAR(nees, 6, 1.5);
+  EXPECT_GT(mean(lspe_deg), 5 * bound_deg);
+}
+
+TEST(CubeWrongLines, WithoutLinesOrALawOfSizesAreRefused) {
+  const auto error = [](std::vector<std::string> settings) {
+    return error_of([&] { cube_lines_study(1, std::move(settings)); });
+  };
+  EXPECT_EQ(error({"outliers.lines=12"}), "");
+  EXPECT_THAT(error({"outliers.lines=13"}),
+              HasSubstr("lines is 13, but the features have only 12"));
+  EXPECT_THAT(error({"outliers.lines=1", "edges.observed='points'"}),
+              HasSubstr("lines must be 0 where edges.observed is neither"));
+  EXPECT_THAT(error({"outliers.lines=1", "outliers.law='clustered'"}),
+              HasSubstr("law must be \"uniform\", \"fixed\" or \"tailed\""));
+  EXPECT_THAT(error({"outliers.lines=1.5"}), HasSubstr("whole"));
 }
 
 }  // namespace

@@ -191,6 +191,31 @@ TEST_P(SolversWithLines, TakeLinesThatShowNoSlopeForOneNumberEach) {
   EXPECT_EQ(solver(GetParam()).solve(s.problem).status, PoseStatus::kDegenerate);
 }
 
+TEST_P(SolversWithLines, CountWhatIsGivenTwiceOnceForWhatIsDetermined) {
+  Draw draw(85);
+  Synthetic s = cube_with_lines(0.1, 0.1, draw);
+  PoseProblem& problem = s.problem;
+  problem.initial_cam_from_target.reset();
+  problem.points_in_target.resize(1);
+  problem.pixels.resize(1);
+  // Edges that do not meet.
+  problem.lines = {problem.lines[1], problem.lines[5], problem.lines[9]};
+  EXPECT_EQ(solver(GetParam()).solve(problem).status, PoseStatus::kOk);
+
+  PoseProblem same_edge = problem;
+  LineObservation& again = same_edge.lines[2];
+  again = same_edge.lines[0];
+  std::swap(again.begin_in_target, again.end_in_target);
+  again.pixel += Eigen::Vector2d(0.01, 0.02);
+  EXPECT_EQ(solver(GetParam()).solve(same_edge).status, PoseStatus::kDegenerate);
+
+  PoseProblem same_point = problem;
+  same_point.lines.resize(2);
+  same_point.points_in_target.push_back(problem.points_in_target[0]);
+  same_point.pixels.emplace_back(problem.pixels[0] + Eigen::Vector2d(0.01, 0.02));
+  EXPECT_EQ(solver(GetParam()).solve(same_point).status, PoseStatus::kDegenerate);
+}
+
 TEST(LinesInConsensus, AreAsManyAsOneLikes) {
   Draw draw(94);
   Synthetic s = cube_with_lines(0.5, 1, draw);
