@@ -136,7 +136,6 @@ std::vector<std::string> extra_paths(const SetExtras& extras, const std::string&
 
 std::string extras_text(const SetExtras& extras) {
   std::string text;
-  if (extras.has_grey_tiff) text += "- gray/ has each picture as .tiff too.\n";
   if (extras.has_normals) {
     text +=
         "- sightline/*/*_normals.png: normals as they are lit, towards the camera; red, green and\n"

@@ -15,6 +15,7 @@ namespace sightline {
 
 // Each in the file of its name in formats/.
 SetFormat bop_format();
+SetFormat bop_imagewise_format();
 SetFormat speed_format();
 SetFormat yolo_format();
 
@@ -32,7 +33,8 @@ EncodingText encoding_text(const SetPlan& plan) {
 }
 
 std::span<const SetFormat> set_formats() {
-  static const std::array kCatalogue = {bop_format(), speed_format(), yolo_format()};
+  static const std::array kCatalogue = {bop_format(), bop_imagewise_format(), speed_format(),
+                                        yolo_format()};
   return kCatalogue;
 }
 

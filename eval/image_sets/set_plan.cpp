@@ -171,8 +171,8 @@ SetPlan plan_set(const SetRequest& request) {
   plan.chunk = request.chunk;
   plan.has_full_truth = request.has_full_truth;
   plan.extras = extras_named(request.also);
-  if (plan.extras.has_grey_tiff && plan.format->name != "bop") {
-    throw InputError(fmt::format("--also tiff: is of format bop, not {}", plan.format->name));
+  if (plan.extras.has_grey_tiff && !plan.format->name.starts_with("bop")) {
+    throw InputError(fmt::format("--also tiff: is of BOP's formats, not of {}", plan.format->name));
   }
   plan.gl = request.gl;
   plan.depth_scale = request.depth_scale.value_or(finest_depth_scale(farthest_m(plan.images())));

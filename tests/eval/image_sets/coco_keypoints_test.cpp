@@ -21,6 +21,7 @@
 
 #include "eval/datasets/coco/write.h"
 #include "scenes/picture/picture_file.h"
+#include "tests/eval/image_sets/image_set_for_tests.h"
 #include "tests/eval/program.h"
 #include "tests/scenes/temporary_folder.h"
 
@@ -60,23 +61,6 @@ class CocoKeypoints : public testing::Test {
   }
   TemporaryFolder folder_;
 };
-
-// A mask of run lengths as COCO defines them: column by column, background first.
-cv::Mat decoded(const json& segmentation) {
-  const int rows = segmentation.at("size").at(0);
-  const int columns = segmentation.at("size").at(1);
-  cv::Mat mask = cv::Mat::zeros(rows, columns, CV_8U);
-  int at = 0;
-  bool is_object = false;
-  for (const json& count : segmentation.at("counts")) {
-    for (int i = 0; i < count.get<int>(); ++i, ++at) {
-      if (is_object) mask.at<uchar>(at % rows, at / rows) = 255;
-    }
-    is_object = !is_object;
-  }
-  EXPECT_EQ(at, rows * columns);
-  return mask;
-}
 
 int differing_pixels(const cv::Mat& a, const cv::Mat& b) {
   return a.size() == b.size() && a.type() == b.type() ? cv::countNonZero(a != b) : -1;

@@ -21,6 +21,23 @@ inline const std::string kQuick =
     " --set camera.width_px=64 --set camera.height_px=64 --set camera.f_px=250 --set "
     "image.samples_per_pixel=1 ";
 
+/// A mask of run lengths as COCO defines them: column by column, background first.
+inline cv::Mat decoded(const nlohmann::json& segmentation) {
+  const int rows = segmentation.at("size").at(0);
+  const int columns = segmentation.at("size").at(1);
+  cv::Mat mask = cv::Mat::zeros(rows, columns, CV_8U);
+  int at = 0;
+  bool is_object = false;
+  for (const nlohmann::json& count : segmentation.at("counts")) {
+    for (int i = 0; i < count.get<int>(); ++i, ++at) {
+      if (is_object) mask.at<uint8_t>(at % rows, at / rows) = 255;
+    }
+    is_object = !is_object;
+  }
+  EXPECT_EQ(at, rows * columns);
+  return mask;
+}
+
 // Sets that the program writes into a folder of their own.
 class ImageSet : public testing::Test {
  protected:

@@ -97,7 +97,7 @@ TEST_F(ImageSet, WhatIsAskedForIsThereAndNothingElse) {
               HasSubstr("was begun with also"));
   const Outcome refused = render("speed", "--count 1 --format speed --also tiff");
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_THAT(refused.output, HasSubstr("--also tiff: is of format bop, not speed"));
+  EXPECT_THAT(refused.output, HasSubstr("--also tiff: is of BOP's formats, not of speed"));
   EXPECT_EQ(render("other", "--count 1 --also depth").exit_code, 2);
 }
 
