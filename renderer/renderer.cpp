@@ -18,6 +18,7 @@
 #include "renderer/sensor.h"
 #include "renderer/shading.h"
 #include "renderer/truth.h"
+#include "renderer/views.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -42,12 +43,6 @@ void require_imageable(const Scene& scene) {
   if (!reason.empty()) throw InputError(scene.target->name + ": " + reason);
 }
 
-// The scene's pose at `time` of the exposure, from -0.5 to 0.5.
-Pose pose_at(const Scene& scene, double time) {
-  return {rotation_from_vector(time * scene.motion.rotation_rad) * scene.cam_from_target.rotation,
-          scene.cam_from_target.translation + time * scene.motion.translation_m};
-}
-
 std::vector<Shader> shaders_of(const std::vector<PlacedBody>& bodies, const Scene& scene,
                                SkyMemory& skies) {
   std::vector<Shader> shaders;
@@ -70,11 +65,26 @@ bool needs_colour(const Scene& scene) {
          !scene.lamps.empty() || (colouring.draws_textures && has_paint(scene));
 }
 
+constexpr std::array kGreyShares = {0.0722, 0.7152, 0.2126};  // as luminance() has it
+
 cv::Mat to_grey(const cv::Mat& blue_green_red) {
   cv::Mat grey;
-  cv::transform(blue_green_red, grey,
-                cv::Matx13d(0.0722, 0.7152, 0.2126));  // as luminance() has it
+  cv::transform(blue_green_red, grey, cv::Matx13d(kGreyShares.data()));
   return grey;
+}
+
+// The picture of blue, green and red light where each has its own: a channel of each, or its share
+// of grey.
+cv::Mat joined(const std::array<cv::Mat, 3>& blue_green_red) {
+  if (blue_green_red[0].channels() == 1) {
+    return kGreyShares[0] * blue_green_red[0] + kGreyShares[1] * blue_green_red[1] +
+           kGreyShares[2] * blue_green_red[2];
+  }
+  cv::Mat all = blue_green_red[1].clone();
+  for (const int channel : {0, 2}) {
+    cv::mixChannels(blue_green_red[static_cast<size_t>(channel)], all, {channel, channel});
+  }
+  return all;
 }
 
 // Turns what samples see into light.
@@ -164,6 +174,27 @@ cv::Vec3f mean_of(ColourResolver& resolver, int x, int y, const uint32_t* ids,
   const Eigen::Array3f rgb =
       resolver.mean(x, y, ids, {background[2], background[1], background[0]});
   return {rgb[2], rgb[1], rgb[0]};
+}
+
+bool shows_environment(const Scene& scene) {
+  return scene.background.kind == BackgroundKind::kEnvironment && scene.environment.is_there();
+}
+
+// Adds a view's image to the sum: of a rolling shutter each row by its share.
+void add_rows(const View& view, const Scene& scene, const cv::Mat& image, cv::Mat& sum) {
+  if (!is_rolling(scene)) {
+    if (sum.empty()) {
+      sum = image;
+    } else {
+      sum += image;
+    }
+    return;
+  }
+  if (sum.empty()) sum = cv::Mat::zeros(image.size(), image.type());
+  for (int row = 0; row < image.rows; ++row) {
+    const double share = share_of(view, scene, row, image.rows);
+    if (share > 0) sum.row(row) += share * image.row(row);
+  }
 }
 
 }  // namespace
@@ -264,30 +295,42 @@ struct Renderer::Impl {
 
   cv::Mat background_of(const Scene& scene) {
     const cv::Size size(scene.camera.width_px, scene.camera.height_px);
-    if (scene.background.kind == BackgroundKind::kEnvironment && scene.environment.is_there()) {
+    if (shows_environment(scene)) {
       return environment_image(*colours.environment_of(scene), scene.environment, scene.camera);
     }
     return needs_colour(scene) ? colour_background_image(scene.background, size)
                                : background_image(scene.background, size);
   }
 
-  cv::Mat linear(const Scene& scene) {
-    cv::Mat background = background_of(scene);
-    const int poses = scene.motion.is_still() ? 1 : scene.motion.samples;
+  // The light of a scene, as its channels are drawn.
+  cv::Mat averaged(const Scene& scene) {
+    const std::vector<View> views = views_of(scene);
+    const cv::Mat background = background_of(scene);
+    const bool moves_background = scene.optics.has_aperture() && shows_environment(scene);
     colours.skies.turn_to(scene);
     cv::Mat sum;
-    for (int i = 0; i < poses; ++i) {
-      cv::Mat image = i + 1 == poses ? background : background.clone();
-      draw(scene, pose_at(scene, (i + 0.5) / poses - 0.5), image);
-      if (i == 0) {
-        sum = image;
-      } else {
-        sum += image;
-      }
+    for (const View& view : views) {
+      cv::Mat image = moves_background ? background_of(view.scene) : background.clone();
+      draw(view.scene, view.cam_from_target, image);
+      add_rows(view, scene, image, sum);
     }
-    const bool is_painted_grey = sum.channels() == 3 && scene.colouring.mode == ColourMode::kGrey;
-    if (is_painted_grey) sum = to_grey(sum);
-    return poses == 1 ? sum : sum / poses;
+    return views.size() == 1 || is_rolling(scene) ? sum : sum / static_cast<double>(views.size());
+  }
+
+  cv::Mat linear(const Scene& scene) {
+    cv::Mat light = averaged(scene);
+    const Optics& optics = scene.optics;
+    if (optics.has_chromatic_shift()) {
+      const auto of_scale = [&](double part) {
+        if (part == 0) return light;
+        Scene other = scene;
+        other.camera = scaled(scene.camera, part);
+        return averaged(other);
+      };
+      light = joined({of_scale(optics.blue_scale), light, of_scale(optics.red_scale)});
+    }
+    const bool is_painted_grey = light.channels() == 3 && scene.colouring.mode == ColourMode::kGrey;
+    return is_painted_grey ? to_grey(light) : light;
   }
 
   std::unique_ptr<SamplePainter> painter;

@@ -57,6 +57,8 @@ Json scene_json(const Scene& scene) {
               {"samples_per_pixel", scene.samples_per_pixel}};
   const std::vector<Fact> colouring = facts_of(scene.colouring);
   if (!colouring.empty()) out["colouring"] = object_of(colouring);
+  const std::vector<Fact> optics = facts_of(scene.optics);
+  if (!optics.empty()) out["optics"] = object_of(optics);
   for (const Lamp& lamp : scene.lamps) out["lamps"].push_back(object_of(facts_of(lamp)));
   if (scene.environment.is_there()) out["environment"] = object_of(facts_of(scene.environment));
   return out;

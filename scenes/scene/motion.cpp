@@ -39,8 +39,15 @@ std::vector<Key> keys_of(MotionLaw& law, Motion& motion) {
        &law.samples,
        {2, 256},
        "",
-       "poses, evenly spaced in time, whose images are averaged",
+       "poses of an exposure, evenly spaced in time, whose images are averaged",
        &motion.samples},
+      {"motion",
+       "readout",
+       &law.readout,
+       {0, 100},
+       "",
+       "of a rolling shutter: time from the first row's exposure to the last's, in exposures",
+       &motion.readout},
   };
 }
 
@@ -62,7 +69,10 @@ std::vector<Fact> facts_of(Motion motion) {
   MotionLaw law;
   std::vector<Fact> facts = {{"rotation_rad", numbers_of(motion.rotation_rad)},
                              {"translation_m", numbers_of(motion.translation_m)}};
-  for (Fact& fact : facts_of(keys_of(law, motion))) facts.push_back(std::move(fact));
+  for (Fact& fact : facts_of(keys_of(law, motion))) {
+    const bool is_of_no_readout = fact.name == "readout" && motion.readout == 0;
+    if (!is_of_no_readout) facts.push_back(std::move(fact));
+  }
   return facts;
 }
 

@@ -19,7 +19,10 @@ namespace sightline {
 struct Motion {
   Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();   ///< rotation vector, camera's axes
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();  ///< of the target's origin
-  int samples = 9;  ///< poses, evenly spaced in time, whose images are averaged
+  int samples = 9;  ///< poses of an exposure, evenly spaced in time, whose images are averaged
+  /// Of a rolling shutter: the time from the first row's exposure to the last's, in exposures. The
+  /// pose of the scene is that of the middle row's.
+  double readout = 0;
 
   bool is_still() const { return rotation_rad.isZero(0) && translation_m.isZero(0); }
 };
@@ -29,6 +32,7 @@ struct MotionLaw {
   Range rotation_deg;  ///< turned during the exposure, about a uniform axis
   Range shift_px;      ///< of the target's origin, to a uniform side
   int samples = Motion{}.samples;
+  Range readout = Motion{}.readout;
 };
 
 std::vector<Key> keys_of(MotionLaw& law, Motion& motion);

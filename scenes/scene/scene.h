@@ -16,6 +16,7 @@
 #include "scenes/scene/light.h"
 #include "scenes/scene/livery.h"
 #include "scenes/scene/motion.h"
+#include "scenes/scene/optics.h"
 #include "scenes/scene/others.h"
 #include "scenes/scene/sensor.h"
 #include "scenes/target/target.h"
@@ -35,6 +36,7 @@ struct Scene {
   Background background;
   Livery livery;
   Motion motion;
+  Optics optics;
   Sensor sensor;
   Colouring colouring;
   int samples_per_pixel = kSamplesPerPixel;  ///< one of kSampleCounts; see the renderer

@@ -78,6 +78,11 @@ SceneLaw read_scene_law(const TomlTable& table, std::shared_ptr<const Target> ta
   read_keys(table, keys_of(law.livery, livery));
   Motion motion;
   read_keys(table, keys_of(law.motion, motion));
+  Optics optics;
+  read_keys(table, keys_of(law.optics, optics));
+  if (law.optics.aperture_mm.max > 0 && !is_pinhole(law.camera.lens)) {
+    table.table("optics").fail("aperture_mm", "needs a camera without lens distortion");
+  }
   law.others = read_others(table);
   for (const OtherLaw& other : law.others) {
     require_textures(table, law.colouring, other.target->name, other.target->mesh);
@@ -109,6 +114,7 @@ std::vector<KeyText> scene_keys() {
   add(keys_of(law.environment, scene.environment), "scene.environment");
   add(keys_of(law.livery, scene.livery), "scene.livery");
   add(keys_of(law.motion, scene.motion), "scene.motion");
+  add(keys_of(law.optics, scene.optics), "scene.optics");
   add(keys_of(other), "bodies");
   return all;
 }
@@ -127,6 +133,7 @@ DrawnScene draw_scene(const SceneLaw& law, int given_pose, uint64_t seed, int64_
   scene.background = draw_background(law.background, draws);
   scene.livery = draw_livery(law.livery, draws);
   scene.motion = draw_motion(law.motion, law.camera, scene.cam_from_target, draws);
+  scene.optics = draw_optics(law.optics, draws);
   scene.sensor = draw_sensor(law.sensor, seed, draws);
   scene.colouring = draw_colouring(law.colouring, draws);
   DrawnOthers others =

@@ -15,8 +15,8 @@ namespace sightline {
 
 /// What the frames of a study's cell or of an image set have in common, and what is drawn for each:
 /// the tables [camera], [poses], [image], [background], [noise], [light], [environment], [livery],
-/// [motion], [[lamp]] and [[other]] of a scene file. Each part is read and drawn in a file of its
-/// own.
+/// [motion], [optics], [[lamp]] and [[other]] of a scene file. Each part is read and drawn in a
+/// file of its own.
 struct SceneLaw {
   std::shared_ptr<const Target> target;
   std::vector<int> features;  ///< indices into the target's; drawn poses keep them in the image
@@ -29,6 +29,7 @@ struct SceneLaw {
   BackgroundLaw background;
   LiveryLaw livery;
   MotionLaw motion;
+  OpticsLaw optics;
   SensorLaw sensor;
   ColouringLaw colouring;
   int samples_per_pixel = kSamplesPerPixel;

@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// Shadow, highlight, livery, motion and lens against closed forms.
+// Shadow, highlight, livery, motion, lens, aperture, shutter and colours' sizes against closed
+// forms.
+#include <array>
 #include <cmath>
 #include <fstream>
 
@@ -216,6 +218,104 @@ double resident_mb() {
   long size = 0, resident = 0;
   file >> size >> resident;
   return static_cast<double>(resident) * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+// The right edge of a bright plate in a row of an image: where it lies, and the variance of what it
+// is spread by, the pixel's own extent (1/12) and that of the difference of two (1/12) with it.
+struct SpreadEdge {
+  double place_px = 0;
+  double variance_px2 = 0;
+};
+
+SpreadEdge right_edge(const cv::Mat& image, int row) {
+  double sum = 0, first = 0, second = 0;
+  for (int x = image.cols / 2; x + 1 < image.cols; ++x) {
+    const double fall = image.at<float>(row, x) - image.at<float>(row, x + 1);
+    sum += fall;
+    first += fall * (x + 0.5);
+    second += fall * (x + 0.5) * (x + 0.5);
+  }
+  const double place = first / sum;
+  return {place, second / sum - place * place};
+}
+
+// At 60 m a pixel is 6 mm; the plate's right edge lies at 255.5 + 2 / 2 / 0.006 px.
+constexpr double kPlateEdgePx = 255.5 + 1 / 0.006;
+
+Scene plate_at_60_m() {
+  return coverage_scene(plate(2), at(0, 0, 60));
+}
+
+TEST(Aperture, BlursWhatIsOutOfFocusByTheDiscOfGeometry) {
+  Renderer renderer;
+  Scene scene = plate_at_60_m();
+  scene.optics = {.aperture_mm = 100, .focus_m = 50, .aperture_samples = 64};
+  // A point at 60 m is a disc of diameter f A |1/50 - 1/60|, whose variance along a line is D^2/16.
+  const double disc_px = 10000 * 0.1 * (1.0 / 50 - 1.0 / 60);
+  const SpreadEdge edge = right_edge(renderer.render_linear(scene), 256);
+  EXPECT_NEAR(edge.place_px, kPlateEdgePx, 0.02);
+  EXPECT_NEAR(edge.variance_px2, disc_px * disc_px / 16 + 1.0 / 6, 0.02);
+  // As much too far as it was too near: the same disc.
+  scene.optics.focus_m = 75;
+  EXPECT_NEAR(right_edge(renderer.render_linear(scene), 256).variance_px2, edge.variance_px2, 0.02);
+}
+
+TEST(Aperture, LeavesWhatIsInFocusSharp) {
+  Renderer renderer;
+  Scene scene = plate_at_60_m();
+  const cv::Mat plain = renderer.render_linear(scene);
+  scene.optics = {.aperture_mm = 100, .focus_m = 0, .aperture_samples = 16};
+  EXPECT_LT(cv::norm(renderer.render_linear(scene), plain, cv::NORM_INF), 0.02);
+  scene.optics.focus_m = 60;
+  EXPECT_LT(cv::norm(renderer.render_linear(scene), plain, cv::NORM_INF), 0.02);
+}
+
+TEST(Aperture, SeesBodiesAndLampsFromItsPlaces) {
+  Renderer renderer;
+  // The main target is out of focus, a body beside it is not.
+  Scene scene = coverage_scene(plate(0.3), at(-1, 0, 50));
+  scene.others.push_back({target_of(plate(1)), at(0, 0, 60), false});
+  const SpreadEdge plain = right_edge(renderer.render_linear(scene), 256);
+  scene.optics = {.aperture_mm = 100, .focus_m = 60, .aperture_samples = 64};
+  const SpreadEdge focused = right_edge(renderer.render_linear(scene), 256);
+  EXPECT_NEAR(focused.variance_px2, plain.variance_px2, 0.02);
+  EXPECT_NEAR(focused.place_px, plain.place_px, 0.01);
+}
+
+TEST(RollingShutter, ExposesRowsOneAfterTheOther) {
+  Renderer renderer;
+  Scene scene = plate_at_60_m();
+  scene.motion.translation_m = {8 * 0.006, 0, 0};  // 8 px an exposure
+  scene.motion.samples = 16;
+  scene.motion.readout = 2;
+  const cv::Mat image = renderer.render_linear(scene);
+  for (const int row : {100, 256, 410}) {
+    const SpreadEdge edge = right_edge(image, row);
+    EXPECT_NEAR(edge.place_px, kPlateEdgePx + 8 * 2 * (row / 511.0 - 0.5), 0.03) << row;
+    EXPECT_NEAR(edge.variance_px2, 8 * 8 / 12.0 + 1.0 / 6, 0.1) << row;
+  }
+  EXPECT_NEAR(image.at<float>(256, 256), 1, 1e-5) << "each row is exposed once";
+  scene.motion.readout = 0;
+  EXPECT_NEAR(right_edge(renderer.render_linear(scene), 410).place_px, kPlateEdgePx, 0.03);
+}
+
+TEST(ChromaticShift, EnlargesTheImagesOfRedAndBlue) {
+  Renderer renderer;
+  Scene scene = plate_at_60_m();
+  scene.samples_per_pixel = 64;  // in steps of which a coordinate of an upright edge is seen
+  scene.optics.red_scale = 0.01;
+  scene.optics.blue_scale = -0.005;
+  scene.colouring.mode = ColourMode::kRgb;
+  std::array<cv::Mat, 3> blue_green_red;
+  cv::split(renderer.render_linear(scene), blue_green_red.data());
+  const double half_px = kPlateEdgePx - 255.5;
+  for (const auto& [channel, scale] : {std::pair{0, -0.005}, {1, 0.0}, {2, 0.01}}) {
+    const SpreadEdge edge = right_edge(blue_green_red[static_cast<size_t>(channel)], 256);
+    EXPECT_NEAR(edge.place_px, 255.5 + (1 + scale) * half_px, 0.02) << channel;
+  }
+  scene.colouring.mode = ColourMode::kGrey;
+  EXPECT_NEAR(right_edge(renderer.render_linear(scene), 256).place_px,
+              kPlateEdgePx + (0.2126 * 0.01 - 0.0722 * 0.005) * half_px, 0.02);
 }
 
 TEST(Renderer, MemoryStaysFlat) {

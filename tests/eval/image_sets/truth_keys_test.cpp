@@ -67,7 +67,7 @@ TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
        "light.colour=[1.0, 1.0, 0.5]", "light.second_colour=[1.0, 0.5, 0.5]",
        "light.casts_shadow=true", "light.radius_deg=0.27", "light.occlusion=true",
        "lamp=[{strength=0.5}]", "environment.file=" + panorama.string(), "image.truth_sees=opaque",
-       "camera.skew_px=1"});
+       "camera.skew_px=1", "optics.aperture_mm=1", "optics.red_scale=0.001", "motion.readout=1"});
   EXPECT_THAT(keys_missing_in(truth), IsEmpty());
   for (const char* fact : {"is_srgb", "defect_seed"}) {
     EXPECT_TRUE(truth["scene"]["sensor"].contains(fact)) << fact;
@@ -80,13 +80,14 @@ TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
 // Sets of before colour are verified by what they state.
 TEST(Truth, OfAGreyPictureIsWhatItAlwaysWas) {
   const Json scene = truth_with({})["scene"];
-  for (const char* part : {"colouring", "lamps", "environment"}) {
+  for (const char* part : {"colouring", "lamps", "environment", "optics"}) {
     EXPECT_FALSE(scene.contains(part)) << part;
   }
   for (const char* fact :
        {"second", "to_second_in_cam", "colour", "second_colour", "radius_deg", "occlusion"}) {
     EXPECT_FALSE(scene["light"].contains(fact)) << fact;
   }
+  EXPECT_FALSE(scene["motion"].contains("readout"));
   for (const char* fact : {"vignetting", "jpeg_quality", "white_balance"}) {
     EXPECT_FALSE(scene["sensor"].contains(fact)) << fact;
   }

@@ -21,6 +21,28 @@ TEST(Motion, ATargetIsStillUnlessTheFileMovesIt) {
               4, 1e-9);
 }
 
+TEST(Optics, AreAPinholesUnlessTheFileOpensIt) {
+  EXPECT_FALSE(draw_scene(law_of(""), 0, 7, 0).scene.optics.has_aperture());
+  const Scene scene = draw_scene(law_of("[optics]\naperture_mm = [20, 30]"), 0, 7, 0).scene;
+  EXPECT_GE(scene.optics.aperture_mm, 20);
+  EXPECT_LE(scene.optics.aperture_mm, 30);
+  EXPECT_TRUE(facts_of(Optics{}).empty());
+}
+
+TEST(Optics, OfALensThatBendsHaveNoOpening) {
+  EXPECT_THAT(law_error("[optics]\naperture_mm = -1"), HasSubstr("aperture_mm"));
+  const auto error_with_lens = [](const std::string& more) {
+    std::string file = kCubeScene;
+    file.replace(file.find("f_px"), 0, "distortion = [-0.1, 0.0, 0.0, 0.0, 0.0]\n");
+    return error_of([&] {
+      read_scene_law(TomlTable::read_text(file + more, "scene.toml"), load_target("cube"), {0});
+    });
+  };
+  EXPECT_THAT(error_with_lens("[optics]\naperture_mm = 20"),
+              HasSubstr("needs a camera without lens distortion"));
+  EXPECT_EQ(error_with_lens("[optics]\nred_scale = 0.01"), "");
+}
+
 TEST(Motion, MistakesGetOneClearLine) {
   EXPECT_THAT(law_error("[motion]\nsamples = 1"), HasSubstr("samples"));
 }
