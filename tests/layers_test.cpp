@@ -37,7 +37,7 @@ const std::map<std::string, std::set<std::string>> kAllowed = {
 using Rooms = std::map<std::string, std::set<std::string>>;
 
 const Rooms kEvalRooms = {
-    {"benchmarks", {"doors", "study", "trial", "work"}},
+    {"benchmarks", {"datasets", "doors", "study", "trial", "work"}},
     {"program",
      {"compare", "image_sets", "output", "report", "results", "review", "run", "score", "study",
       "summary", "tables", "solve", "target", "work"}},

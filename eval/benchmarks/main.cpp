@@ -9,6 +9,7 @@
 
 #include "eval/benchmarks/benches.h"
 #include "eval/benchmarks/pose_accuracy.h"
+#include "eval/benchmarks/tracker_accuracy.h"
 #include "eval/work/kept_memory.h"
 
 int main(int argc, char** argv) {
@@ -16,6 +17,9 @@ int main(int argc, char** argv) {
   sightline::keep_freed_memory();
   if (argc > 1 && std::string_view(argv[1]) == "accuracy") {
     return sightline::run_pose_accuracy(argc - 2, argv + 2);
+  }
+  if (argc > 1 && std::string_view(argv[1]) == "trackers") {
+    return sightline::run_tracker_accuracy(argc - 2, argv + 2);
   }
   const std::vector<sightline::Comparison> comparisons = {
       sightline::register_absolute_orientation(),

@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 
 #include "eval/output/terminal.h"
+#include "eval/program/bound_charts.h"
 #include "eval/program/commands/commands.h"
+#include "eval/report/gnuplot.h"
 #include "eval/study/study_file.h"
 #include "eval/target/image_bound_report.h"
 #include "scenes/files/input_error.h"
@@ -22,6 +24,7 @@ struct BoundArguments {
   std::string study;
   std::vector<std::string> over;
   std::string csv;
+  std::string figures;
   int scenes = 10;
   bool is_json = false;
   StudyOverrides overrides;
@@ -35,6 +38,18 @@ std::string sweep_of(const std::string& over) {
         "--over is \"{}\", must be KEY=VALUE,VALUE,... such as image.psf_sigma_px=0.5,1", over));
   }
   return fmt::format("sweep.\"{}\"=[{}]", over.substr(0, equals), over.substr(equals + 1));
+}
+
+void write_csv(const std::string& name, const std::vector<ImageBoundRow>& rows) {
+  std::ofstream file(name);
+  file << image_bound_csv(rows);
+  file.flush();
+  if (!file) throw InputError(fmt::format("{}: cannot be written", name));
+}
+
+void draw_charts(const std::string& folder, const std::vector<Chart>& charts) {
+  const std::string note = write_figures(folder, charts);
+  if (!note.empty()) std::cerr << note << "\n";
 }
 
 void print_bound(BoundArguments arguments) {
@@ -51,11 +66,9 @@ void print_bound(BoundArguments arguments) {
   const std::vector<ImageBoundRow> rows = image_bound_rows(study, arguments.scenes);
   std::cout << (arguments.is_json ? image_bound_json(study.title, rows)
                                   : shown(image_bound_table(study.title, rows)));
-  if (arguments.csv.empty()) return;
-  std::ofstream file(arguments.csv);
-  file << image_bound_csv(rows);
-  file.flush();
-  if (!file) throw InputError(fmt::format("{}: cannot be written", arguments.csv));
+  if (!arguments.csv.empty()) write_csv(arguments.csv, rows);
+  if (!arguments.figures.empty())
+    draw_charts(arguments.figures, bound_charts(study.conditions, rows));
 }
 
 }  // namespace
@@ -79,6 +92,9 @@ void add_bound(CLI::App& app) {
       ->allow_extra_args(false);
   sub->add_option("--seed", arguments->overrides.seed, "Seed of all draws");
   sub->add_option("--csv", arguments->csv, "Also write the rows into this file");
+  sub->add_option("--figures", arguments->figures,
+                  "Also draw charts over the conditions, such as the values of --over, into this "
+                  "folder: bound-theta.svg and bound-t.svg, with their data and gnuplot's scripts");
   sub->add_flag("--json", arguments->is_json, "Print JSON instead of the table");
   sub->callback([arguments] { print_bound(*arguments); });
 }
