@@ -17,6 +17,7 @@
 #include "eval/datasets/conventions.h"
 #include "scenes/files/input_error.h"
 #include "scenes/files/input_file.h"
+#include "scenes/files/pauses.h"
 #include "scenes/mesh/textures.h"
 
 namespace sightline {
@@ -167,10 +168,12 @@ Mesh read_ply_as_it_is(const std::filesystem::path& file) {
   Mesh mesh;
   mesh.parts.push_back({.name = file.stem().string()});
   for (const Point& point : points) {
+    pause_at_times();
     mesh.vertices.emplace_back(point.x(), point.y(), point.z());
     if (!mesh.vertices.back().allFinite()) fail(file, "a vertex is not a finite number");
   }
   for (const std::vector<size_t>& face : faces) {
+    pause_at_times();
     for (size_t i = 2; i < face.size(); ++i) {
       Triangle triangle;
       const size_t corners[] = {face[0], face[i - 1], face[i]};

@@ -6,7 +6,6 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "eval/datasets/bop/mask_runs.h"
 #include "eval/datasets/pictures.h"
 #include "renderer/truth.h"
 #include "scenes/files/input_file.h"
@@ -35,16 +34,34 @@ void hide_behind_others(const cv::Mat& visible_mask, Frame& frame) {
   }
 }
 
-cv::Mat visible_mask_of(const Sighting& sighting) {
-  const bool is_picture = input_ending(sighting.visible_mask) != ".json";
-  return is_picture ? read_grey_picture(sighting.visible_mask)
-                    : read_mask_runs(sighting.visible_mask, sighting.gt_id);
+}  // namespace
+
+cv::Mat SetFiles::picture(const std::filesystem::path& file) {
+  if (picture_.empty() || file != picture_file_) {
+    picture_ = read_picture(file);
+    picture_file_ = file;
+  }
+  return picture_.clone();
 }
 
-}  // namespace
+cv::Mat SetFiles::visible_mask(const Sighting& sighting) {
+  const std::filesystem::path& file = sighting.visible_mask;
+  if (input_ending(file) != ".json") return read_grey_picture(file);
+  if (!masks_ || file != masks_file_) {
+    masks_.emplace(file);
+    masks_file_ = file;
+  }
+  return masks_->mask(sighting.gt_id);
+}
 
 SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
                         const Sighting& sighting) {
+  SetFiles files;
+  return read_set_frame(target, bits, sighting, files);
+}
+
+SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
+                        const Sighting& sighting, SetFiles& files) {
   SetFrame out;
   Scene& scene = out.scene;
   scene.target = target;
@@ -54,7 +71,7 @@ SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
     out.problem = sighting.problem;
     return out;
   }
-  const cv::Mat picture = read_picture(sighting.picture);
+  const cv::Mat picture = files.picture(sighting.picture);
   out.frame.image = grey_of(picture);
   if (!out.frame.image.empty() && picture.channels() == 3) out.frame.colour = picture;
   if (out.frame.image.empty()) {
@@ -71,7 +88,7 @@ SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,
   TextureCache textures;
   state_truth(scene, textures, out.frame);
   if (sighting.visible_mask.empty()) return out;
-  const cv::Mat mask = visible_mask_of(sighting);
+  const cv::Mat mask = files.visible_mask(sighting);
   if (mask.size() == out.frame.image.size()) {
     hide_behind_others(mask, out.frame);
   } else {

@@ -90,6 +90,28 @@ void require_same_model(const SightingSource& source, const SetReading& reading,
           : ""));
 }
 
+// Why a picture cannot show the target at its pose; empty where it can. Lengths in another unit put
+// the camera into the target, or so far away that nothing is left of it: both can be drawn.
+std::string why_not_shown(const Sighting& sighting, const std::shared_ptr<const Target>& target) {
+  constexpr double kNear = 0.01;  // of the target's size
+  constexpr double kLeastPx = 2;
+  const Eigen::AlignedBox3d box = box_of(*target);
+  const double size_m = box.diagonal().norm();
+  const Eigen::Vector3d camera_in_target = inverse(sighting.cam_from_target).translation;
+  if (box.exteriorDistance(camera_in_target) <= kNear * size_m) {
+    return "the camera stands within its box, or at it";
+  }
+  Scene scene;
+  scene.target = target;
+  scene.camera = sighting.camera;
+  scene.cam_from_target = sighting.cam_from_target;
+  std::string reason = why_not_imageable(scene);
+  if (!reason.empty()) return reason;
+  const double size_px = std::max(sighting.camera.fx_px, sighting.camera.fy_px) * size_m /
+                         sighting.cam_from_target.translation.norm();
+  return size_px >= kLeastPx ? "" : "it is smaller than 2 px";
+}
+
 // Throws where no pose puts the target into its image, and notes it where most do not: then a
 // quaternion, a matrix or a unit is likely to be read otherwise than it was written.
 void require_any_in_image(const SightingSource& source, SightedSet& set,
@@ -101,16 +123,9 @@ void require_any_in_image(const SightingSource& source, SightedSet& set,
   size_t looked_at = 0;
   for (const Sighting& sighting : sightings) {
     if (sighting.problem == EstimateOutcome::kNoTruth) continue;
-    Scene scene;
-    scene.target = target;
-    scene.camera = sighting.camera;
-    scene.cam_from_target = sighting.cam_from_target;
     if (looked_at >= kEnough && outside < looked_at) break;
     ++looked_at;
-    // Lengths in another unit put the camera into the target, which can be drawn.
-    const bool is_within = box_of(*target).contains(inverse(sighting.cam_from_target).translation);
-    const std::string reason =
-        is_within ? "the camera stands within its box" : why_not_imageable(scene);
+    const std::string reason = why_not_shown(sighting, target);
     if (reason.empty()) continue;
     ++outside;
     if (first_reason.empty()) first_reason = reason;

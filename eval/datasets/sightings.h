@@ -57,6 +57,9 @@ struct SightingSource {
   /// SPEED+: its list without ".json", such as "train" or "lightbox/test"; empty: the only one that
   /// is there.
   std::string split;
+  /// Of BOP's scenes with several sensors: the one to read, by its name; empty: that which BOP
+  /// evaluates.
+  std::string sensor;
   std::optional<int> obj_id;  ///< of BOP; none: the only object that the images have
   /// The poses are of the axes of the mesh's file instead of the target's.
   bool is_of_file_axes = false;

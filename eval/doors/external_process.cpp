@@ -170,9 +170,13 @@ void ExternalProcess::log(const std::string& text) const {
 }
 
 void ExternalProcess::require_hello(const std::string& line) const {
-  const Json hello = Json::parse(line, nullptr, /*allow_exceptions=*/false);
-  if (hello.is_object() && hello.contains("protocol") && hello["protocol"] == kProcessProtocol) {
-    return;
+  try {
+    const Json hello = parse_json(line, "hello");
+    if (hello.is_object() && hello.contains("protocol") && hello["protocol"] == kProcessProtocol) {
+      return;
+    }
+  } catch (const InputError&) {
+    // Said below.
   }
   throw BadAnswer(fmt::format("says hello with {}, must be {{\"protocol\": {}}}", excerpt_of(line),
                               kProcessProtocol));
@@ -213,11 +217,13 @@ EstimateOutcome ExternalProcess::answer_to(
     return outcome_of(hearing);
   }
   try {
-    const Json answer = Json::parse(line);
+    const Json answer = parse_json(line, "the line");
     if (answer.at("id") != id) throw BadAnswer(fmt::format("has not the id {}", id));
     const EstimateOutcome status = status_in(answer, reason);
     return status == EstimateOutcome::kOk ? read(answer) : status;
   } catch (const Json::exception& error) {
+    throw BadAnswer(fmt::format("{}: {}", words_of(error), excerpt_of(line)));
+  } catch (const InputError& error) {
     throw BadAnswer(fmt::format("is {}: {}", excerpt_of(line), error.what()));
   } catch (const BadAnswer& error) {
     throw BadAnswer(fmt::format("{}: {}", error.what(), excerpt_of(line)));

@@ -3,8 +3,6 @@
 #include "eval/image_sets/render_set.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <set>
 
 #include <fmt/format.h>
@@ -19,15 +17,16 @@
 #include "eval/work/shares.h"
 #include "renderer/gl_context.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
 
 namespace fs = std::filesystem;
 
+// Empty where there is none that could be ours.
 std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return bytes_of_file(file, kMostTextBytes).value_or("");
 }
 
 void make_folder(const fs::path& folder) {
@@ -42,9 +41,18 @@ void make_folder(const fs::path& folder) {
   }
 }
 
+// What somebody's manifest says; null where it is no JSON.
+Json manifest_in(const std::string& text) {
+  try {
+    return parse_json(text, "sightline.json");
+  } catch (const InputError&) {
+    return {};
+  }
+}
+
 // The first key in which two manifests differ.
 std::string difference(const std::string& there, const std::string& asked) {
-  const Json a = Json::parse(there, nullptr, /*allow_exceptions=*/false);
+  const Json a = manifest_in(there);
   const Json b = Json::parse(asked);
   if (!a.is_object()) return "holds no manifest that can be read";
   for (const auto& [key, value] : b.items()) {
@@ -73,7 +81,7 @@ void refuse_foreign(const fs::path& folder) {
 
 // Whether the set that is there is this one but for images at its end.
 bool is_beginning(const std::string& there, const SetPlan& plan) {
-  const Json manifest = Json::parse(there, nullptr, /*allow_exceptions=*/false);
+  const Json manifest = manifest_in(there);
   if (!manifest.is_object() || !manifest.contains("count")) return false;
   const Json& count = manifest["count"];
   if (!count.is_number_integer() || !(count < plan.count)) return false;
@@ -107,6 +115,17 @@ void claim(const SetPlan& plan, const fs::path& folder, bool is_resumed) {
   std::error_code error;  // that of the manifest will say it
   fs::remove(folder / plan.format->list_path, error);
   write_file(manifest, manifest_of(plan));
+}
+
+// Another process may have begun to make the set longer while this one did its images.
+void require_unchanged(const SetPlan& plan, const fs::path& folder) {
+  const std::string there = text_of(folder / "sightline.json");
+  const std::string asked = manifest_of(plan);
+  if (there == asked) return;
+  throw InputError(fmt::format(
+      "--out {}: was made another set while this run made its images ({}); they are kept: run it "
+      "again for that set, with --resume",
+      folder.string(), difference(there, asked)));
 }
 
 bool is_done(const SetPlan& plan, const fs::path& folder, int64_t index) {
@@ -201,9 +220,8 @@ SetResult render_set(const SetPlan& plan, const SetOptions& options) {
       });
     }
     const SetLock::Alone alone(lock);
-    // Another process may have begun to make the set longer.
-    const bool is_ours = text_of(folder / "sightline.json") == manifest_of(plan);
-    result.is_complete = is_ours && is_all_done(plan, folder);
+    require_unchanged(plan, folder);
+    result.is_complete = is_all_done(plan, folder);
     if (result.is_complete) result.failed = join_set(plan, folder);
   } catch (const Interrupted&) {
     throw Interrupted("interrupted; finished images are kept for --resume");

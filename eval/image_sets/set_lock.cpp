@@ -55,7 +55,7 @@ bool try_shard(int file, const Shard& shard) {
 }  // namespace
 
 SetLock::SetLock(const std::filesystem::path& folder, const Shard& shard) {
-  file_ = open((folder / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  file_ = open((folder / ".lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (file_ < 0) {
     throw InputError(
         fmt::format("--out {}: cannot be written ({})", folder.string(), std::strerror(errno)));

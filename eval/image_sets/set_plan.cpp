@@ -188,7 +188,7 @@ SetPlan read_plan(const fs::path& folder) {
   const fs::path file = folder / "sightline.json";
   const std::string text = read_input_file(file, kMostTextBytes);
   try {
-    const Json json = Json::parse(text);
+    const Json json = parse_json(text, file.string());
     SetPlan plan;
     plan.format = &find_set_format(json.at("format").get<std::string>());
     plan.study = read_scene_text(read_input_file(folder / "scene.toml", kMostTextBytes),

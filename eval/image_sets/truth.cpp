@@ -3,8 +3,6 @@
 #include "eval/image_sets/truth.h"
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 #include <fmt/format.h>
@@ -12,6 +10,8 @@
 
 #include "eval/datasets/pictures.h"
 #include "scenes/files/checksum.h"
+#include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 #include "scenes/picture/picture_file.h"
 
 namespace sightline {
@@ -287,11 +287,16 @@ std::vector<std::string> truth_file_paths(const SetPlan& plan, int64_t index) {
 }
 
 std::optional<Json> read_truth(const fs::path& folder, const SetPlan& plan, int64_t index) {
-  std::ifstream stream(folder / truth_path(plan, index), std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  Json truth = Json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!truth.is_object() || truth_text(truth) != text) return std::nullopt;
-  return truth;
+  const fs::path file = folder / truth_path(plan, index);
+  try {
+    Json truth = read_json(file);
+    if (!truth.is_object() || truth_text(truth) != bytes_of_file(file, kMostInputBytes)) {
+      return std::nullopt;
+    }
+    return truth;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
 }
 
 std::vector<std::string> truth_problems(const fs::path& folder, const SetPlan& plan,
@@ -338,9 +343,8 @@ std::vector<std::string> checksum_problems(const fs::path& folder, const Json& t
   if (!truth.contains(kChecksums)) return problems;
   const Json& checksums = truth.at(kChecksums);
   for (const std::string& path : paths) {
-    std::ifstream stream(folder / path, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
-    if (checksums.value(path, "") != crc32_text(bytes)) {
+    const std::optional<std::string> bytes = bytes_of_file(folder / path, kMaxPictureBytes);
+    if (!bytes || checksums.value(path, "") != crc32_text(*bytes)) {
       problems.push_back(path + " is not the file that was written with its truth");
     }
   }

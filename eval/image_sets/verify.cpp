@@ -3,8 +3,6 @@
 #include "eval/image_sets/verify.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <string_view>
 #include <unordered_set>
@@ -16,6 +14,7 @@
 #include "eval/image_sets/truth.h"
 #include "eval/work/interrupt.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
@@ -146,9 +145,9 @@ class Verifier {
 
   void check_text(const std::string& path, const std::string& text) {
     expect_file(path);
-    std::ifstream stream(folder_ / path, std::ios::binary);
-    if (!stream) return problem(fmt::format("{}: is missing", path));
-    const std::string there{std::istreambuf_iterator<char>(stream), {}};
+    std::error_code none;
+    if (!fs::exists(folder_ / path, none)) return problem(fmt::format("{}: is missing", path));
+    const std::optional<std::string> there = bytes_of_file(folder_ / path, kMostInputBytes);
     if (there != text) problem(fmt::format("{}: is not what the set's truth says", path));
   }
 

@@ -19,9 +19,6 @@
 namespace sightline {
 namespace {
 
-constexpr int kMostLists = 10'000'000;  // and objects: each takes some ten times its text
-constexpr int kMostValues = 50'000'000;
-constexpr int kDeepest = 100;
 constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 // What Python's json writes for numbers that JSON has not.
@@ -56,30 +53,8 @@ std::string place_of(std::string_view text, size_t byte) {
   return fmt::format("line {}, column {}", line, column);
 }
 
-// In our words, what a reader misses that asks for more than there is: the library's own texts
-// speak of its types and exceptions.
-std::string words_of(const Json::exception& problem) {
-  constexpr int kNoSuchKey = 403;
-  const std::string_view text = problem.what();
-  const size_t begin = text.find('\'');
-  const size_t end = text.rfind('\'');
-  if (problem.id == kNoSuchKey && begin < end) {
-    return fmt::format("has no '{}'", text.substr(begin + 1, end - begin - 1));
-  }
-  constexpr int kNoSuchElement = 401;
-  if (problem.id == kNoSuchElement) return "has a list that is too short";
-  constexpr std::string_view kMust = "type must be ";
-  constexpr std::string_view kIs = ", but is ";
-  const size_t must = text.find(kMust);
-  const size_t is = text.find(kIs);
-  if (must == text.npos || is == text.npos || is < must) return "has a value of another kind";
-  const size_t from = must + kMust.size();
-  return fmt::format("has {} where {} must stand", text.substr(is + kIs.size()),
-                     text.substr(from, is - from));
-}
-
-[[noreturn]] void fail_as_no_format(const std::filesystem::path& file, const std::string& why) {
-  throw InputError(fmt::format("{}: is not as its format has it: {}", file.string(), why));
+[[noreturn]] void fail_as_no_format(const std::string& name, const std::string& why) {
+  throw InputError(fmt::format("{}: is not as its format has it: {}", name, why));
 }
 
 // The numbers of an array, and of the arrays in it; of null NaN.
@@ -111,33 +86,56 @@ std::vector<double> numbers_of(const Json& array, const std::string& what, size_
 
 }  // namespace
 
-Json read_json(const std::filesystem::path& file) {
-  std::string text = read_input_file(file, kMostInputBytes);
+std::string words_of(const Json::exception& problem) {
+  constexpr int kNoSuchKey = 403;
+  const std::string_view text = problem.what();
+  const size_t begin = text.find('\'');
+  const size_t end = text.rfind('\'');
+  if (problem.id == kNoSuchKey && begin < end) {
+    return fmt::format("has no '{}'", text.substr(begin + 1, end - begin - 1));
+  }
+  constexpr int kNoSuchElement = 401;
+  if (problem.id == kNoSuchElement) return "has a list that is too short";
+  constexpr std::string_view kMust = "type must be ";
+  constexpr std::string_view kIs = ", but is ";
+  const size_t must = text.find(kMust);
+  const size_t is = text.find(kIs);
+  if (must == text.npos || is == text.npos || is < must) return "has a value of another kind";
+  const size_t from = must + kMust.size();
+  return fmt::format("has {} where {} must stand", text.substr(is + kIs.size()),
+                     text.substr(from, is - from));
+}
+
+Json parse_json(std::string text, const std::string& name, const JsonBounds& bounds) {
   if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
   text = with_null_for_no_numbers(std::move(text));
   int lists = 0, values = 0;
   const auto check_bounds = [&](int depth, Json::parse_event_t event, const Json&) {
     pause_at_times();
-    if (depth > kDeepest) {
-      throw InputError(fmt::format("{}: is nested deeper than {}", file.string(), kDeepest));
+    if (depth > bounds.deepest) {
+      throw InputError(fmt::format("{}: is nested deeper than {}", name, bounds.deepest));
     }
     using Event = Json::parse_event_t;
     lists += event == Event::array_start || event == Event::object_start;
     values += event == Event::value;
-    if (lists > kMostLists) {
+    if (lists > bounds.most_lists) {
       throw InputError(
-          fmt::format("{}: has more than {} lists and objects", file.string(), kMostLists));
+          fmt::format("{}: has more than {} lists and objects", name, bounds.most_lists));
     }
-    if (values <= kMostValues) return true;
-    throw InputError(fmt::format("{}: has more than {} values", file.string(), kMostValues));
+    if (values <= bounds.most_values) return true;
+    throw InputError(fmt::format("{}: has more than {} values", name, bounds.most_values));
   };
   try {
     return Json::parse(text, check_bounds);
   } catch (const Json::parse_error& problem) {
-    fail_as_no_format(file, fmt::format("is no JSON at {}", place_of(text, problem.byte)));
+    fail_as_no_format(name, fmt::format("is no JSON at {}", place_of(text, problem.byte)));
   } catch (const Json::exception& problem) {  // a number that no double holds
-    fail_as_no_format(file, "is no JSON, or has a number that is too large");
+    fail_as_no_format(name, "is no JSON, or has a number that is too large");
   }
+}
+
+Json read_json(const std::filesystem::path& file) {
+  return parse_json(read_input_file(file, kMostInputBytes), file.string());
 }
 
 std::string json_text(const Json& json) {
@@ -149,7 +147,7 @@ void with_json(const std::filesystem::path& file, const std::function<void(const
   try {
     use(json);
   } catch (const Json::exception& error) {
-    fail_as_no_format(file, words_of(error));
+    fail_as_no_format(file.string(), words_of(error));
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", file.string(), error.what()));
   }

@@ -14,12 +14,26 @@ namespace sightline {
 
 using Json = nlohmann::ordered_json;
 
-/// What a file of somebody's holds. A byte-order mark at its beginning does not count, and what
-/// Python writes where JSON has no number (NaN, Infinity, -Infinity) is null. Throws InputError,
-/// with the file, where it is missing, no regular file (a pipe or a device would never end), over
-/// 1 GiB, no JSON, or nested deeper than 100 arrays and objects, which no format that we read is:
-/// what walks through JSON calls itself.
+/// How much JSON of somebody's may hold. No format that we read is nested that deep: what walks
+/// through JSON calls itself. Lists and objects take some ten times their text.
+struct JsonBounds {
+  int deepest = 100;            ///< arrays and objects within one another
+  int most_lists = 10'000'000;  ///< and objects
+  int most_values = 50'000'000;
+};
+
+/// What a text of somebody's holds, which errors call `name`. A byte-order mark at its beginning
+/// does not count, and what Python writes where JSON has no number (NaN, Infinity, -Infinity) is
+/// null. Throws InputError where it is no JSON or beyond the bounds.
+Json parse_json(std::string text, const std::string& name, const JsonBounds& bounds = {});
+
+/// The same of a file. Throws InputError, with the file, also where it is missing, no regular file
+/// (a pipe or a device would never end) or over 1 GiB.
 Json read_json(const std::filesystem::path& file);
+
+/// In our words, what a reader misses that asked JSON for more than there is: the library's own
+/// texts speak of its types and exceptions.
+std::string words_of(const Json::exception& problem);
 
 /// The text of JSON for standard output or a file, indented; bytes that are no UTF-8 are U+FFFD.
 std::string json_text(const Json& json);

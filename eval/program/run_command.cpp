@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "eval/output/output_folder.h"
+#include "eval/output/plain_text.h"
 #include "eval/output/terminal.h"
 #include "eval/summary/summary_json.h"
 #include "eval/tables/result_table.h"
@@ -29,7 +30,8 @@ void print_result(const Study& study, const RunResult& result, const RunArgument
     return;
   }
   std::cout << shown(to_table(study, result.summary))
-            << "\nreport: " << std::filesystem::absolute(out / "report.html").string() << "\n";
+            << "\nreport: " << plain_line(std::filesystem::absolute(out / "report.html").string())
+            << "\n";
 }
 
 // Times that two processes take from each other say nothing of a method.

@@ -214,14 +214,14 @@ std::optional<ResidualPicture> residual_of(const ImageStudy& images, const Trial
 }
 
 FrameEvidence evidence_of(const Study& study, const FrameChoice& choice, const TrialRecord& stored,
-                          Renderer& renderer) {
+                          Renderer& renderer, SetFiles& files) {
   const ImageStudy& images = *study.images();
   FrameEvidence evidence{choice.caption,
                          stored,
                          // A report starts nobody's programs, though the study name them.
                          images.asks_processes()
                              ? recall_image_trial(images, study.seed, stored, renderer)
-                             : run_image_trial(images, study.seed, choice.trial, renderer),
+                             : run_image_trial(images, study.seed, choice.trial, renderer, files),
                          {},
                          {}};
   Trial& trial = evidence.trial;
@@ -299,12 +299,13 @@ std::vector<FrameChoice> choose_frames(const Study& study, std::span<const Trial
 std::vector<FrameEvidence> gather_evidence(const Study& study, std::span<const TrialRecord> trials,
                                            Renderer& renderer) {
   std::vector<FrameEvidence> frames;
+  SetFiles files;
   size_t bytes = 0;
   for (const FrameChoice& choice : choose_frames(study, trials, frames_for(study))) {
     const auto stored = std::find_if(trials.begin(), trials.end(), [&](const TrialRecord& trial) {
       return trial.trial == choice.trial;
     });
-    FrameEvidence frame = evidence_of(study, choice, *stored, renderer);
+    FrameEvidence frame = evidence_of(study, choice, *stored, renderer, files);
     bytes += bytes_of(frame);
     if (bytes > kMostBytes && !frames.empty()) break;
     frames.push_back(std::move(frame));

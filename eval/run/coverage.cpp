@@ -11,8 +11,10 @@
 
 #include "eval/output/json.h"
 #include "eval/run/trial_runner.h"
+#include "eval/statistics/error_statistics.h"
 #include "eval/summary/quantities.h"
 #include "eval/summary/summary.h"
+#include "scenes/files/pauses.h"
 
 namespace sightline {
 namespace {
@@ -54,24 +56,69 @@ std::vector<CellNumber> numbers_of(const CellSummary& cell) {
   return numbers;
 }
 
-using Runs = std::vector<Summary>;
+// The cells of each run, which is all that is kept of it.
+using Runs = std::vector<std::vector<CellSummary>>;
 
-// The summary of all runs' trials together, and of each run: the trials of run r are numbered
-// behind those of the runs before, which keeps their conditions.
+// The study's runs, one behind the other.
+class Repeater {
+ public:
+  Repeater(const Study& study, const CoverageOptions& options)
+      : study_(study), runner_(study, options.renderer) {}
+
+  // The cells of run r; every trial is shown to `visit`, numbered behind those of the runs before,
+  // which keeps its condition. With images, which a summary goes through twice, the trials of a
+  // run are kept for as long; others are not.
+  std::vector<CellSummary> cells_of_run(int r, const TrialVisitor& visit) {
+    if (study_.images() == nullptr) {
+      const TrialSource run = [&](const TrialVisitor& visit_in_run) {
+        each_trial(r, [&](TrialRecord& trial) {
+          visit_in_run(trial);
+          show(r, trial, visit);
+        });
+      };
+      return summarise(study_, run).cells;
+    }
+    std::vector<TrialRecord> trials;
+    each_trial(r, [&](TrialRecord& trial) { trials.push_back(std::move(trial)); });
+    std::vector<CellSummary> cells = summarise(study_, trials).cells;
+    for (TrialRecord& trial : trials) show(r, trial, visit);
+    return cells;
+  }
+
+  // The same without its cells.
+  void go_through_run(int r, const TrialVisitor& visit) {
+    each_trial(r, [&](TrialRecord& trial) { show(r, trial, visit); });
+  }
+
+ private:
+  template <typename Use>
+  void each_trial(int r, const Use& use) {
+    for (int64_t i = 0; i < study_.trial_count(); ++i) {
+      take_pause();
+      TrialRecord trial = runner_.run(i, study_.seed + 1 + static_cast<uint64_t>(r));
+      use(trial);
+    }
+  }
+
+  void show(int r, TrialRecord& trial, const TrialVisitor& visit) const {
+    trial.trial += r * study_.trial_count();
+    visit(trial);
+  }
+
+  const Study& study_;
+  TrialRunner runner_;
+};
+
+// The summary of all runs' trials together, and of each run.
 Summary run_all(const Study& study, const CoverageOptions& options, Runs& runs) {
-  TrialRunner runner(study, options.renderer);
-  const int64_t count = study.trial_count();
+  Repeater repeater(study, options);
   return summarise(study, [&](const TrialVisitor& visit) {
     const bool is_first_pass = runs.empty();  // an image study is gone through twice
     for (int r = 0; r < options.repeats; ++r) {
-      std::vector<TrialRecord> trials;
-      for (int64_t i = 0; i < count; ++i) {
-        trials.push_back(runner.run(i, study.seed + 1 + static_cast<uint64_t>(r)));
-      }
-      if (is_first_pass) runs.push_back(summarise(study, trials));
-      for (TrialRecord& trial : trials) {
-        trial.trial += r * count;
-        visit(trial);
+      if (is_first_pass) {
+        runs.push_back(repeater.cells_of_run(r, visit));
+      } else {
+        repeater.go_through_run(r, visit);
       }
       options.tick();
     }
@@ -108,6 +155,30 @@ void add_cell(const std::string& cell, const Tally& tally, NumberCoverage& numbe
 
 }  // namespace
 
+std::string why_no_memory_for_runs(const Study& study, int repeats,
+                                   std::optional<double> free_bytes) {
+  // Of a trial a summary keeps the errors of each solver, up to a number of them; a run with images
+  // keeps its trials too.
+  constexpr double kErrorBytes = 100;
+  constexpr double kEstimateBytes = 1200;
+  constexpr double kBytesAGigabyte = 1e9;
+  const double solvers = static_cast<double>(std::max<size_t>(1, study.solver_names().size()));
+  const double cells = solvers * static_cast<double>(study.conditions.size());
+  const double of_runs = sizeof(CellSummary) * cells * repeats;
+  const double draws = std::min(static_cast<double>(study.draws) * repeats,
+                                static_cast<double>(ErrorStatistics::kMostValuesKept));
+  const double of_all = kErrorBytes * cells * draws;
+  const bool keeps_trials = study.images() != nullptr;
+  const double of_trials = keeps_trials ? kEstimateBytes * solvers * study.trial_count() : 0;
+  const double needed = of_runs + of_all + of_trials;
+  if (!free_bytes || needed <= *free_bytes) return "";
+  return fmt::format(
+      "{} runs of {} trials with {} cells (conditions times solvers) take {:.1f} GB, and {:.1f} GB "
+      "are free",
+      repeats, study.trial_count(), cells, needed / kBytesAGigabyte,
+      std::max(0.0, *free_bytes) / kBytesAGigabyte);
+}
+
 std::vector<NumberCoverage> interval_coverage(const Study& study, const CoverageOptions& options) {
   Runs runs;
   const Summary all = run_all(study, options, runs);
@@ -120,8 +191,8 @@ std::vector<NumberCoverage> interval_coverage(const Study& study, const Coverage
     const std::vector<CellNumber> truths = numbers_of(all.cells[c]);
     std::vector<Tally> tallies(truths.size());
     for (size_t i = 0; i < truths.size(); ++i) tallies[i].truth = truths[i].measured.value;
-    for (const Summary& run : runs) {
-      const std::vector<CellNumber> numbers = numbers_of(run.cells[c]);
+    for (const std::vector<CellSummary>& run : runs) {
+      const std::vector<CellNumber> numbers = numbers_of(run[c]);
       for (size_t i = 0; i < numbers.size(); ++i) tallies[i].add(numbers[i].measured);
     }
     const std::string& label = study.conditions[static_cast<size_t>(all.cells[c].condition)].label;

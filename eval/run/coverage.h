@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,12 @@ struct CoverageOptions {
   RendererOptions renderer;
   std::function<void()> tick = [] {};  ///< called for every repeat
 };
+
+/// Why there is no memory for that many runs of a study, from what is kept of each (its cells), of
+/// all trials together and, with images, of the trials of one run; empty where there is enough, or
+/// where nobody knows. To be asked before work begins.
+std::string why_no_memory_for_runs(const Study& study, int repeats,
+                                   std::optional<double> free_bytes);
 
 /// Runs the study `repeats` times, with the seeds that follow its own, in this process. A number
 /// that is the same in all runs and their sum (a rate of 0, the ratio of a solver to itself) has

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
+#include "eval/output/json.h"
 #include "eval/output/output_folder.h"
 #include "eval/output/plain_text.h"
 
@@ -47,10 +48,11 @@ nlohmann::json manifest_of(const Study& study, const std::string& command) {
 }
 
 nlohmann::json read_manifest(const fs::path& run) {
-  std::error_code error;
-  if (!fs::is_regular_file(run / kManifestFile, error)) return nlohmann::json::value_t::discarded;
-  std::ifstream stream(run / kManifestFile);
-  return nlohmann::json::parse(stream, nullptr, /*allow_exceptions=*/false);
+  try {
+    return read_json(run / kManifestFile);
+  } catch (const InputError&) {
+    return nlohmann::json::value_t::discarded;
+  }
 }
 
 void write_manifest(const nlohmann::json& manifest, const fs::path& run) {

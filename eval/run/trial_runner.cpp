@@ -14,7 +14,7 @@ TrialRunner::TrialRunner(const Study& study, const RendererOptions& renderer) : 
 
 TrialRecord TrialRunner::run(int64_t index, uint64_t seed) {
   if (const ImageStudy* images = study_.images()) {
-    return run_image_trial(*images, seed, index, *renderer_).record;
+    return run_image_trial(*images, seed, index, *renderer_, files_).record;
   }
   if (const NumericStudy* numeric = study_.numeric()) {
     return run_numeric_trial(*numeric, seed, index);

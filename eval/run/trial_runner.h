@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "eval/datasets/set_frame.h"
 #include "eval/records/records.h"
 #include "eval/study/study.h"
 #include "renderer/renderer.h"
@@ -26,6 +27,7 @@ class TrialRunner {
  private:
   const Study& study_;
   std::optional<Renderer> renderer_;
+  SetFiles files_;  // of a data set, what was read last
 };
 
 }  // namespace sightline

@@ -39,11 +39,12 @@ std::vector<size_t> counting_estimates(std::vector<size_t> of_object, size_t cou
   return of_object;
 }
 
-// The depth of an image; none where it is missing, torn or no such picture.
+// The depth of an image; none where it is missing, torn, no such picture, or not of the width of
+// the image's own.
 std::optional<cv::Mat> depth_of(const BopImage& image) {
   if (image.depth_file.empty()) return std::nullopt;
   cv::Mat depth = read_picture(image.depth_file);
-  if (depth.empty() || depth.channels() != 1) return std::nullopt;
+  if (depth.channels() != 1 || depth.cols != image.width_px) return std::nullopt;
   return depth;
 }
 
@@ -343,8 +344,8 @@ std::string note_on_vsd(const BopScores& scores) {
   }
   if (scores.images_without_depth == 0) return "";
   return fmt::format(
-      "the depth of {} of the images is missing or cannot be read, and what they ask "
-      "for counts as missed by VSD",
+      "the depth of {} of the images is missing, of another size or cannot be read, and what they "
+      "ask for counts as missed by VSD",
       scores.images_without_depth);
 }
 

@@ -132,14 +132,16 @@ std::vector<BopEstimate> read_speed_csv(const fs::path& file, const ScoredSet& s
 
 }  // namespace
 
-ScoredSet read_scored_set(const fs::path& folder, const std::string& split) {
+ScoredSet read_scored_set(const fs::path& folder, const std::string& split,
+                          const std::string& sensor) {
   if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: is no folder", folder.string()));
   SightingSource source;
   source.folder = folder;
   source.split = split;
+  source.sensor = sensor;
   const SetReader& reader = set_reader_of(source);
   if (reader.name == "speed") return read_speed(reader, source);
-  return {read_bop_dataset(folder, split), {}};
+  return {read_bop_dataset(folder, split, sensor), {}};
 }
 
 std::vector<BopEstimate> read_estimates(const fs::path& file, const ScoredSet& set) {

@@ -24,9 +24,10 @@ struct ScoredSet {
 };
 
 /// A data set in BOP's scenewise format, or SPEED+'s: there `split` is its list without ".json",
-/// the object is 1 and the model that of our own sets, model/target.ply, or one without vertices.
-/// Throws InputError, with the file, for whatever is missing or not so.
-ScoredSet read_scored_set(const std::filesystem::path& folder, const std::string& split);
+/// `sensor` must be empty, the object is 1 and the model that of our own sets, model/target.ply, or
+/// one without vertices. Throws InputError, with the file, for whatever is missing or not so.
+ScoredSet read_scored_set(const std::filesystem::path& folder, const std::string& split,
+                          const std::string& sensor = "");
 
 /// The estimates of a file, in millimetres: a BOP results CSV, which may be of either kind of set;
 /// of SPEED+'s also a list as the sets themselves have (filename, q_vbs2tango or q_vbs2tango_true,

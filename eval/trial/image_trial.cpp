@@ -7,7 +7,6 @@
 #include <span>
 #include <utility>
 
-#include "eval/datasets/set_frame.h"
 #include "eval/doors/trial_extractor.h"
 #include "eval/records/line_records.h"
 #include "eval/trial/estimates.h"
@@ -86,10 +85,10 @@ std::optional<EstimateOutcome> render_frame(const ImageStudy& study, uint64_t se
 }
 
 // The same from a data set.
-std::optional<EstimateOutcome> read_frame(const ImageStudy& study, Trial& trial) {
+std::optional<EstimateOutcome> read_frame(const ImageStudy& study, SetFiles& files, Trial& trial) {
   SetFrame shown =
       read_set_frame(study.target, study.setup_of(trial.record.condition).scene.sensor.bits,
-                     study.sighting_of(trial.record.trial));
+                     study.sighting_of(trial.record.trial), files);
   trial.scene = std::move(shown.scene);
   if (!shown.problem) trial.frame = std::move(shown.frame);
   return shown.problem;
@@ -107,12 +106,12 @@ std::optional<Pose> prior_for(const ImageStudy& study, uint64_t seed, const Tria
 
 // The first half of a trial: its scene, frame and prior. Returns why there is none of them.
 std::optional<EstimateOutcome> begin_trial(const ImageStudy& study, uint64_t seed, int64_t index,
-                                           Renderer& renderer, Trial& trial) {
+                                           Renderer& renderer, SetFiles& files, Trial& trial) {
   TrialRecord& record = trial.record;
   record.trial = index;
   record.condition = static_cast<int>(index % study.cells.size());
   const std::optional<EstimateOutcome> problem =
-      study.sighted ? read_frame(study, trial) : render_frame(study, seed, renderer, trial);
+      study.sighted ? read_frame(study, files, trial) : render_frame(study, seed, renderer, trial);
   record.true_cam_from_target = trial.scene.cam_from_target;
   if (problem) return problem;
   const std::optional<Pose> prior = prior_for(study, seed, trial);
@@ -148,8 +147,14 @@ std::vector<Observation> recorded_observations(const ImageStudy& study, const Tr
 }  // namespace
 
 Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Renderer& renderer) {
+  SetFiles files;
+  return run_image_trial(study, seed, index, renderer, files);
+}
+
+Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Renderer& renderer,
+                      SetFiles& files) {
   Trial trial;
-  if (const auto problem = begin_trial(study, seed, index, renderer, trial)) {
+  if (const auto problem = begin_trial(study, seed, index, renderer, files, trial)) {
     trial.record.pose_trial().estimates = failed_estimates(study.solving, *problem);
     return trial;
   }
@@ -161,7 +166,8 @@ Trial recall_image_trial(const ImageStudy& study, uint64_t seed, const TrialReco
                          Renderer& renderer) {
   Trial trial;
   PoseTrial& pose_trial = trial.record.pose_trial();
-  if (!begin_trial(study, seed, recorded.trial, renderer, trial)) {
+  SetFiles files;
+  if (!begin_trial(study, seed, recorded.trial, renderer, files, trial)) {
     const auto& guest = study.setup_of(trial.record.condition).guest;
     if (guest && guest->process) {
       trial.observations = recorded_observations(study, trial, recorded.observations());

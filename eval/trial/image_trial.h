@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "eval/datasets/set_frame.h"
 #include "eval/records/records.h"
 #include "eval/study/study.h"
 #include "features/observation.h"
@@ -24,7 +25,10 @@ struct Trial {
 };
 
 /// Runs trial number `index` of a study with this seed from scene to errors. It depends on nothing
-/// else: the same in any shard, order or process.
+/// else: the same in any shard, order or process. `files` spares reading those of a data set again
+/// for every trial that is of the same image.
+Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Renderer& renderer,
+                      SetFiles& files);
 Trial run_image_trial(const ImageStudy& study, uint64_t seed, int64_t index, Renderer& renderer);
 
 /// A trial with the evidence behind what is recorded of it, of a study that asks processes: its

@@ -94,16 +94,33 @@ bool is_packed(std::istream& stream) {
   return is_gzip;
 }
 
+// Null where it is missing, no regular file, or may not be read.
+std::unique_ptr<std::ifstream> open_regular_file(const std::filesystem::path& file) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return nullptr;
+  auto stream = std::make_unique<std::ifstream>(file, std::ios::binary);
+  return stream->is_open() ? std::move(stream) : nullptr;
+}
+
+// What is left in a stream, block by block, so that a signal is heard between two.
+std::string rest_of(std::istream& stream, uintmax_t expected_bytes) {
+  std::string bytes;
+  bytes.reserve(expected_bytes);
+  std::array<char, size_t{1} << 16> block;
+  while (stream.read(block.data(), block.size()) || stream.gcount() > 0) {
+    take_pause();
+    bytes.append(block.data(), static_cast<size_t>(stream.gcount()));
+  }
+  return bytes;
+}
+
 }  // namespace
 
 std::unique_ptr<std::istream> open_input_file(const std::filesystem::path& file,
                                               uintmax_t most_bytes) {
+  std::unique_ptr<std::ifstream> stream = open_regular_file(file);
+  if (!stream) throw InputError(fmt::format("{}: is missing or cannot be read", file.string()));
   std::error_code error;
-  auto stream = std::make_unique<std::ifstream>();
-  if (std::filesystem::is_regular_file(file, error)) stream->open(file, std::ios::binary);
-  if (!stream->is_open()) {
-    throw InputError(fmt::format("{}: is missing or cannot be read", file.string()));
-  }
   const uintmax_t size = std::filesystem::file_size(file, error);
   if (error || size > most_bytes) fail_as_too_large(file, most_bytes);
   if (is_packed(*stream)) return std::make_unique<UnpackedStream>(file, most_bytes);
@@ -127,12 +144,16 @@ std::string input_ending(const std::filesystem::path& file) {
 
 std::string read_input_file(const std::filesystem::path& file, uintmax_t most_bytes) {
   const std::unique_ptr<std::istream> stream = open_input_file(file, most_bytes);
-  std::string bytes;
-  bytes.reserve(std::filesystem::file_size(file));
-  std::array<char, size_t{1} << 16> block;
-  while (stream->read(block.data(), block.size()) || stream->gcount() > 0) {
-    bytes.append(block.data(), static_cast<size_t>(stream->gcount()));
-  }
+  return rest_of(*stream, std::filesystem::file_size(file));
+}
+
+std::optional<std::string> bytes_of_file(const std::filesystem::path& file, uintmax_t most_bytes) {
+  const std::unique_ptr<std::ifstream> stream = open_regular_file(file);
+  std::error_code error;
+  const uintmax_t size = std::filesystem::file_size(file, error);
+  if (!stream || error || size > most_bytes) return std::nullopt;
+  std::string bytes = rest_of(*stream, size);
+  if (stream->bad() || bytes.size() != size) return std::nullopt;
   return bytes;
 }
 

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <istream>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace sightline {
@@ -32,8 +33,12 @@ std::filesystem::path unpacked_name(const std::filesystem::path& file);
 /// That name's ending in lower case, with its dot.
 std::string input_ending(const std::filesystem::path& file);
 
-/// Its bytes.
+/// The bytes of what that opens.
 std::string read_input_file(const std::filesystem::path& file, uintmax_t most_bytes);
+
+/// The bytes of a file as they stand, packed or not: for those whose form is checked elsewhere.
+/// None where it is missing, no regular file, larger than that, or cannot be read.
+std::optional<std::string> bytes_of_file(const std::filesystem::path& file, uintmax_t most_bytes);
 
 inline constexpr size_t kLongestLine = size_t{1} << 20;  ///< bytes
 

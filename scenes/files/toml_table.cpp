@@ -89,11 +89,28 @@ std::vector<std::string> split_path(std::string_view path) {
   return parts;
 }
 
-// The value of an override: TOML if it parses as such, else the words themselves.
-toml::table parse_override_value(const std::string& value) {
+// What is wrong with TOML. Of a number that no double holds the library says that it "could not be
+// interpreted".
+std::string words_of(const toml::parse_error& error) {
+  const std::string text(error.description());
+  const size_t begin = text.find('\'');
+  const size_t end = text.rfind('\'');
+  if (!text.starts_with("Error while parsing floating-point: '") || begin == end) return text;
+  return fmt::format("{} is beyond numbers of 64 bits, which reach from 2.3e-308 to 1.7e308",
+                     text.substr(begin, end - begin + 1));
+}
+
+// The value of an override: TOML if it parses as such, else the words themselves, unless they stand
+// in brackets as a list or a table does.
+toml::table parse_override_value(const std::string& setting) {
+  const std::string value = setting.substr(setting.find('=') + 1);
   try {
     return toml::parse("value = " + value);
-  } catch (const toml::parse_error&) {
+  } catch (const toml::parse_error& error) {
+    const bool is_list = value.starts_with('[') && value.ends_with(']');
+    if (is_list || (value.starts_with('{') && value.ends_with('}'))) {
+      throw InputError(fmt::format("--set {}: {}", setting, words_of(error)));
+    }
     toml::table table;
     table.insert("value", value);
     return table;
@@ -130,7 +147,7 @@ std::string apply_override(toml::table& root, const std::string& setting) {
       throw InputError(fmt::format("--set {}: '{}' is not a table", setting, path[i]));
     }
   }
-  const toml::table parsed = parse_override_value(setting.substr(equals + 1));
+  const toml::table parsed = parse_override_value(setting);
   parsed.get("value")->visit(
       [&](const auto& value) { table->insert_or_assign(path.back(), value); });
   return fmt::to_string(fmt::join(path, "."));
@@ -169,7 +186,7 @@ TomlTable TomlTable::read_text(const std::string& text, const std::filesystem::p
     document->root = toml::parse(text, name.string());
   } catch (const toml::parse_error& error) {
     throw InputError(
-        fmt::format("{}:{}: {}", name.string(), error.source().begin.line, error.description()));
+        fmt::format("{}:{}: {}", name.string(), error.source().begin.line, words_of(error)));
   }
   for (const std::string& setting : overrides) {
     document->overrides[apply_override(document->root, setting)] = setting;
@@ -355,7 +372,8 @@ std::vector<std::string> TomlTable::literals(std::string_view key) const {
   for (size_t i = 0; array != nullptr && i < array->size(); ++i) {
     const toml::node& value = *array->get(i);
     const toml::array* inner = value.as_array();
-    const bool is_good = finite_number(&value) || value.is_string() || value.is_boolean() ||
+    // Whether a number fits says the key that takes it.
+    const bool is_good = value.is_number() || value.is_string() || value.is_boolean() ||
                          (inner != nullptr &&
                           std::all_of(inner->begin(), inner->end(), [](const toml::node& number) {
                             return finite_number(&number).has_value();

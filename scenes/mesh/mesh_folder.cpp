@@ -3,8 +3,9 @@
 #include "scenes/mesh/mesh_folder.h"
 
 #include <algorithm>
-#include <fstream>
 #include <system_error>
+
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
@@ -24,14 +25,7 @@ bool is_inside(const fs::path& folder, const fs::path& path) {
 }
 
 std::optional<std::string> whole_file(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  std::ifstream stream(file, std::ios::binary);
-  if (error || !stream) return std::nullopt;
-  std::string bytes(size, '\0');
-  stream.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(stream.gcount()) != size) return std::nullopt;
-  return bytes;
+  return bytes_of_file(file, kMostModelBytes);
 }
 
 MeshFolder::MeshFolder(const fs::path& mesh_file)

@@ -315,9 +315,10 @@ bool read_buffer(std::vector<unsigned char>* out, std::string* error, const std:
     *error = "lies outside the file's folder";
     return false;
   }
-  std::ifstream stream(*found, std::ios::binary);
-  out->assign(std::istreambuf_iterator<char>(stream), {});
-  return static_cast<bool>(stream);
+  const std::optional<std::string> bytes = whole_file(*found);
+  if (!bytes) return false;
+  out->assign(bytes->begin(), bytes->end());
+  return true;
 }
 
 // A URI's path: "%20" is a space.

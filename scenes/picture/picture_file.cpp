@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/picture/picture_file.h"
 
-#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -10,6 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "scenes/files/input_file.h"
 #include "scenes/picture/codecs.h"
 
 namespace sightline {
@@ -83,11 +83,9 @@ FileBytes bytes_of_picture(const fs::path& file) {
   if (size > static_cast<uintmax_t>(kMaxPictureBytes)) {
     return {{}, fmt::format("has {} MB, must be at most {}", size >> 20, kMaxPictureBytes >> 20)};
   }
-  std::string bytes(size, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(bytes.data(), static_cast<std::streamsize>(size));
-  if (!stream) return {{}, "cannot be read"};
-  return {std::move(bytes), {}};
+  std::optional<std::string> bytes = bytes_of_file(file, kMaxPictureBytes);
+  if (!bytes) return {{}, "cannot be read"};
+  return {std::move(*bytes), {}};
 }
 
 std::string size_problem(int64_t width, int64_t height, int64_t bytes_a_pixel) {

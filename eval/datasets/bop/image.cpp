@@ -108,6 +108,22 @@ fs::path missing_bop_picture(const BopImage& image) {
   return (is_grey ? grey : colour) / (bop::image_name(image.im_id) + ".png");
 }
 
+Camera bop_camera(const BopImage& image) {
+  try {
+    Camera camera = camera_from_matrix(image.k);
+    camera.lens = image.lens;
+    return camera;
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: image {}: cam_K {}", bop_camera_file(image).string(),
+                                 image.im_id, error.what()));
+  }
+}
+
+fs::path bop_camera_file(const BopImage& image) {
+  if (!image.key.empty()) return image.folder / fmt::format("{}.camera.json", image.key);
+  return image.folder / bop::of_sensor(bop::kSceneCameraFile, image.sensor);
+}
+
 fs::path bop_visible_mask(const BopImage& image, int gt_id) {
   if (image.key.empty()) {
     return numbered_picture(folder_of_kind(image, bop::kVisibleMaskFolder), {image.im_id, gt_id});

@@ -13,6 +13,7 @@
 #include <Eigen/Core>
 
 #include "eval/output/json.h"
+#include "pose/camera.h"
 #include "pose/lenses/lens.h"
 #include "pose/pose.h"
 
@@ -65,6 +66,13 @@ std::filesystem::path bop_picture(const BopImage& image);
 
 /// Where that should be.
 std::filesystem::path missing_bop_picture(const BopImage& image);
+
+/// Its camera, without a size and of the lens that the set states. Throws InputError, with the
+/// file, for a matrix that is none of a camera.
+Camera bop_camera(const BopImage& image);
+
+/// What says its camera, for errors.
+std::filesystem::path bop_camera_file(const BopImage& image);
 
 /// What holds the mask of the visible pixels of an instance: a picture or, in the imagewise format,
 /// a .json of the masks of all (mask_runs.h). Empty where there is none.

@@ -11,6 +11,7 @@
 
 #include "eval/datasets/bop/layout.h"
 #include "eval/datasets/bop/numbered.h"
+#include "eval/datasets/conventions.h"
 #include "eval/datasets/model_file.h"
 #include "eval/output/json.h"
 #include "scenes/files/input_error.h"
@@ -22,7 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSymmetryStep = 0.01;  // of the diameter
+constexpr double kSymmetryStep = 0.01;       // of the diameter
+constexpr size_t kMostSymmetries = 100'000;  // every vertex is held against each
 
 using RowWise4 = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
 
@@ -32,7 +34,12 @@ std::vector<Pose> discrete_symmetries(const Json& info) {
   for (const Json& symmetry : info["symmetries_discrete"]) {
     const auto values = finite_numbers(symmetry, "symmetries_discrete", 16);
     const RowWise4 matrix = Eigen::Map<const RowWise4>(values.data());
-    poses.push_back({matrix.topLeftCorner<3, 3>(), matrix.topRightCorner<3, 1>()});
+    const auto rotation = usable_rotation(Eigen::Matrix3d(matrix.topLeftCorner<3, 3>()));
+    if (!rotation) {
+      throw InputError(
+          fmt::format("symmetries_discrete has no rotation at place {}", poses.size() - 1));
+    }
+    poses.push_back({*rotation, matrix.topRightCorner<3, 1>()});
   }
   return poses;
 }
@@ -49,10 +56,9 @@ std::vector<SymmetryAxis> axes_of(const Json& info) {
   return axes;
 }
 
-std::vector<Pose> continuous_symmetries(const Json& info) {
+std::vector<Pose> turns_about(const std::vector<SymmetryAxis>& axes, int steps) {
   std::vector<Pose> poses;
-  const int steps = static_cast<int>(std::ceil(std::numbers::pi / kSymmetryStep));
-  for (const SymmetryAxis& axis : axes_of(info)) {
+  for (const SymmetryAxis& axis : axes) {
     for (int i = 0; i < steps; ++i) {
       const double angle_rad = 2 * std::numbers::pi * i / steps;
       const Eigen::Matrix3d rotation = rotation_from_vector(angle_rad * axis.direction);
@@ -64,11 +70,18 @@ std::vector<Pose> continuous_symmetries(const Json& info) {
 
 std::vector<Pose> symmetries_of(const Json& info) {
   const std::vector<Pose> discrete = discrete_symmetries(info);
-  const std::vector<Pose> continuous = continuous_symmetries(info);
-  if (continuous.empty()) return discrete;
+  const std::vector<SymmetryAxis> axes = axes_of(info);
+  const int steps = static_cast<int>(std::ceil(std::numbers::pi / kSymmetryStep));
+  const size_t count = discrete.size() * std::max<size_t>(1, axes.size() * steps);
+  if (count > kMostSymmetries) {
+    throw InputError(fmt::format("its symmetries make {} poses of one, must make {} at most", count,
+                                 kMostSymmetries));
+  }
+  if (axes.empty()) return discrete;
+  const std::vector<Pose> turns = turns_about(axes, steps);
   std::vector<Pose> poses;
   for (const Pose& jump : discrete) {
-    for (const Pose& turn : continuous) poses.push_back(turn * jump);
+    for (const Pose& turn : turns) poses.push_back(turn * jump);
   }
   return poses;
 }

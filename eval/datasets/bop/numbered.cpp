@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 
 // Those of the documentation first: a file of such a name is found at once.
 constexpr std::array kDigits = {6, 4, 8, 5, 3, 1, 2, 7, 9, 10};
-constexpr std::array kPictureEndings = {"png", "jpg", "jpeg", "tif", "tiff", "bmp",
-                                        "PNG", "JPG", "JPEG", "TIF", "TIFF", "BMP"};
+constexpr std::array kPictureEndings = {"png", "jpg", "jpeg", "tif", "tiff", "bmp", "webp",
+                                        "PNG", "JPG", "JPEG", "TIF", "TIFF", "BMP", "WEBP"};
 
 std::string joined(const std::vector<int>& numbers, int digits) {
   std::string name;
@@ -84,11 +84,17 @@ fs::path numbered_model(const fs::path& folder, int obj_id) {
 }
 
 fs::path numbered_scene(const fs::path& split, int scene_id) {
+  fs::path found;
   for (const int digits : kDigits) {
     fs::path folder = split / joined({scene_id}, digits);
-    if (fs::is_directory(folder)) return folder;
+    if (folder == found || !fs::is_directory(folder)) continue;
+    if (!found.empty()) {
+      throw InputError(fmt::format("{}: has scene {} twice, as {} and {}", split.string(), scene_id,
+                                   found.filename().string(), folder.filename().string()));
+    }
+    found = std::move(folder);
   }
-  return split / bop::scene_name(scene_id);
+  return found.empty() ? split / bop::scene_name(scene_id) : found;
 }
 
 }  // namespace sightline

@@ -45,6 +45,7 @@ std::filesystem::path picture_named(const std::filesystem::path& folder, const s
 std::filesystem::path numbered_model(const std::filesystem::path& folder, int obj_id);
 
 /// The folder of a scene in its split, alike; where there is none, the one that should be there.
+/// Throws InputError where there are two.
 std::filesystem::path numbered_scene(const std::filesystem::path& split, int scene_id);
 
 }  // namespace sightline

@@ -181,29 +181,77 @@ void require_all_asked(const TargetList& list, const std::vector<BopImage>& imag
 }
 
 // The images of a split, those on the list where there is one, without targets.
-std::vector<BopImage> images_of(const fs::path& split, const TargetList& list,
-                                std::vector<std::string>& notes) {
+std::vector<BopImage> images_of(const fs::path& split, const std::string& sensor,
+                                const TargetList& list, std::vector<std::string>& notes) {
   const auto is_asked = [&list](int scene_id, int im_id) {
     return !list.is_there() || list.targets.contains({scene_id, im_id});
   };
-  if (is_imagewise(split)) return read_imagewise(split, is_asked);
+  if (is_imagewise(split)) {
+    if (sensor.empty()) return read_imagewise(split, is_asked);
+    throw InputError(
+        fmt::format("{}: has its files image by image and no sensors; no --sensor "
+                    "can be chosen",
+                    split.string()));
+  }
   refuse_shards(split);
   std::set<int> of_list;
   for (const auto& [image, objects] : list.targets) of_list.insert(image.first);
   const std::vector<int> scenes =
       list.is_there() ? std::vector<int>(of_list.begin(), of_list.end()) : scenes_in(split);
-  return read_scenewise(split, scenes, is_asked, notes);
+  return read_scenewise(split, scenes, sensor, is_asked, notes);
 }
 
-// What scores poses projects by the camera's matrix alone.
-void require_pinholes(const std::vector<BopImage>& images) {
+// What scores poses projects by the camera's matrix alone, and measures by the depth.
+void require_cameras(const std::vector<BopImage>& images) {
   for (const BopImage& image : images) {
-    if (is_pinhole(image.lens)) continue;
+    if (!image.depth_file.empty() && !(image.depth_scale > 0)) {
+      throw InputError(fmt::format("{}: image {}: depth_scale is {}, must be above 0",
+                                   bop_camera_file(image).string(), image.im_id,
+                                   image.depth_scale));
+    }
+    if (is_pinhole(bop_camera(image).lens)) continue;
     throw InputError(fmt::format(
         "{}: image {}: its cam_model has a lens, must be a pinhole: remove the lens from the "
         "pictures first",
-        (image.folder / bop::kSceneCameraFile).string(), image.im_id));
+        bop_camera_file(image).string(), image.im_id));
   }
+}
+
+// A note where models_info.json states a diameter that the model cannot have: by a tenth and more
+// below its box's longest side, or above the box's diagonal.
+void note_diameter(int obj_id, const BopModel& model, std::vector<std::string>& notes) {
+  if (model.points_mm.cols() == 0) return;
+  const Eigen::Vector3d sides =
+      model.points_mm.rowwise().maxCoeff() - model.points_mm.rowwise().minCoeff();
+  constexpr double kTolerance = 0.1;
+  if (model.diameter_mm >= (1 - kTolerance) * sides.maxCoeff() &&
+      model.diameter_mm <= (1 + kTolerance) * sides.norm()) {
+    return;
+  }
+  notes.push_back(fmt::format(
+      "{}: says that object {} has a diameter of {:g} mm, its model is "
+      "{:g} x {:g} x {:g}: what is stated counts",
+      bop::kModelsInfoFile, obj_id, model.diameter_mm, sides.x(), sides.y(), sides.z()));
+}
+
+// Against a truth in metres every estimate would be wrong. That a camera stands within an object,
+// or sees what is behind it, is no truth either.
+void require_any_in_front(const fs::path& folder, const BopDataset& dataset) {
+  int poses = 0;
+  for (const BopImage& image : dataset.images) {
+    for (const BopInstance& instance : image.instances) {
+      if (!instance.has_pose || !image.targets.contains(instance.obj_id)) continue;
+      const Eigen::Vector3d& t = instance.cam_from_model.translation;
+      const double radius_mm = dataset.models.at(instance.obj_id).diameter_mm / 2;
+      if (t.z() > 0 && t.norm() > radius_mm) return;
+      ++poses;
+    }
+  }
+  if (poses == 0) return;
+  throw InputError(fmt::format(
+      "{}: none of its {} true poses has the object in front of the camera, and the camera outside "
+      "of it (translations must be in mm)",
+      folder.string(), poses));
 }
 
 }  // namespace
@@ -222,13 +270,14 @@ std::vector<int> asked_instances(const BopImage& image, int obj_id) {
   return instances;
 }
 
-BopImages read_bop_images(const fs::path& folder, const std::string& split) {
+BopImages read_bop_images(const fs::path& folder, const std::string& split,
+                          const std::string& sensor) {
   if (!fs::is_directory(folder)) throw InputError(fmt::format("{}: is no folder", folder.string()));
   const fs::path scenes_folder = split_folder(folder, split);
   BopImages read;
   const TargetList list = find_targets(folder, scenes_folder, read.notes);
   note_lens(folder, read.notes);
-  std::vector<BopImage> asked = images_of(scenes_folder, list, read.notes);
+  std::vector<BopImage> asked = images_of(scenes_folder, sensor, list, read.notes);
   for (BopImage& image : asked) {
     const auto wanted = list.targets.find({image.scene_id, image.im_id});
     const bool names_objects = list.is_there() && !wanted->second.empty();
@@ -245,9 +294,10 @@ BopImages read_bop_images(const fs::path& folder, const std::string& split) {
   return read;
 }
 
-BopDataset read_bop_dataset(const fs::path& folder, const std::string& split) {
-  BopImages read = read_bop_images(folder, split);
-  require_pinholes(read.images);
+BopDataset read_bop_dataset(const fs::path& folder, const std::string& split,
+                            const std::string& sensor) {
+  BopImages read = read_bop_images(folder, split, sensor);
+  require_cameras(read.images);
   std::set<int> objects;
   for (const BopImage& image : read.images) {
     for (const auto& [obj_id, count] : image.targets) objects.insert(obj_id);
@@ -255,6 +305,8 @@ BopDataset read_bop_dataset(const fs::path& folder, const std::string& split) {
   BopDataset dataset{.models = read_bop_models(folder, objects),
                      .images = std::move(read.images),
                      .notes = std::move(read.notes)};
+  require_any_in_front(folder, dataset);
+  for (const auto& [obj_id, model] : dataset.models) note_diameter(obj_id, model, dataset.notes);
   set_widths(folder, dataset);
   return dataset;
 }

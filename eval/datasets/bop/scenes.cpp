@@ -82,8 +82,8 @@ void read_files_of(BopImage& image) {
 std::set<std::string> sensors_of(const fs::path& scene) {
   constexpr std::string_view kBefore = "scene_gt_";
   constexpr std::string_view kBehind = ".json";
-  if (fs::exists(plain_or_packed(scene / bop::kSceneTruthFile))) return {""};
   std::set<std::string> sensors;
+  if (fs::exists(plain_or_packed(scene / bop::kSceneTruthFile))) sensors.insert("");
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(scene, error)) {
     const std::string name = unpacked_name(entry.path().filename()).string();
@@ -96,8 +96,10 @@ std::set<std::string> sensors_of(const fs::path& scene) {
   return sensors;
 }
 
-// The one that BOP evaluates in HOT3D (Aria, Quest 3), IPD, XYZ-IBD and ITODD-MV, else the first.
-std::string chosen_of(const std::set<std::string>& sensors) {
+// The one without a name, or that BOP evaluates in HOT3D (Aria, Quest 3), IPD, XYZ-IBD and
+// ITODD-MV, else the first.
+std::string usual_of(const std::set<std::string>& sensors) {
+  if (sensors.contains("")) return "";
   for (const char* evaluated : {"rgb", "gray1", "photoneo", "xyz", "3dlong"}) {
     if (sensors.contains(evaluated)) return evaluated;
   }
@@ -140,6 +142,7 @@ class SceneReader {
     const NumberedEntries cameras(json);
     for (auto& [im_id, image] : images_) {
       const Json* const camera = cameras.find(im_id);
+      if (camera == nullptr && image.instances.empty()) continue;  // nothing can be asked of it
       if (camera == nullptr) {
         throw InputError(fmt::format("has no image {}, which {} has", im_id, truth_name()));
       }
@@ -167,11 +170,22 @@ class SceneReader {
 
 // A line on what of the scene is not read.
 std::string note_on_others(const fs::path& scene, const std::set<std::string>& sensors,
-                           const std::string& chosen) {
+                           const std::string& read) {
   std::set<std::string> others = sensors;
-  others.erase(chosen);
-  return fmt::format("{}: has several sensors; that of {} is read, not {}", scene.string(),
-                     bop::of_sensor(bop::kSceneTruthFile, chosen), fmt::join(others, ", "));
+  others.erase(read);
+  return fmt::format("{}: has several sensors; that of {} is read, not {}: --sensor chooses",
+                     scene.string(), bop::of_sensor(bop::kSceneTruthFile, read),
+                     fmt::join(others, ", "));
+}
+
+[[noreturn]] void fail_as_no_sensor(const fs::path& scene, const std::string& sensor,
+                                    std::set<std::string> sensors) {
+  sensors.erase("");
+  throw InputError(
+      fmt::format("{}: has no sensor '{}': there is no {}{}", scene.string(), sensor,
+                  bop::of_sensor(bop::kSceneTruthFile, sensor),
+                  sensors.empty() ? ", and none of another sensor: leave --sensor out"
+                                  : fmt::format("; its sensors are {}", fmt::join(sensors, ", "))));
 }
 
 }  // namespace
@@ -216,17 +230,19 @@ std::vector<int> scenes_in(const fs::path& split) {
 }
 
 std::vector<BopImage> read_scenewise(const fs::path& split, const std::vector<int>& scenes,
-                                     const AskedImages& is_asked, std::vector<std::string>& notes) {
+                                     const std::string& sensor, const AskedImages& is_asked,
+                                     std::vector<std::string>& notes) {
   std::vector<BopImage> read;
   bool has_note = false;
   for (const int scene_id : scenes) {
     const fs::path folder = numbered_scene(split, scene_id);
     const std::set<std::string> sensors = sensors_of(folder);
-    const std::string chosen = chosen_of(sensors);
-    if (sensors.size() > 1 && !std::exchange(has_note, true)) {
-      notes.push_back(note_on_others(folder, sensors, chosen));
+    if (!sensor.empty() && !sensors.contains(sensor)) fail_as_no_sensor(folder, sensor, sensors);
+    const std::string read_one = sensor.empty() ? usual_of(sensors) : sensor;
+    if (sensor.empty() && sensors.size() > 1 && !std::exchange(has_note, true)) {
+      notes.push_back(note_on_others(folder, sensors, read_one));
     }
-    for (auto& [im_id, image] : SceneReader(folder, chosen, scene_id).read()) {
+    for (auto& [im_id, image] : SceneReader(folder, read_one, scene_id).read()) {
       if (is_asked(scene_id, im_id)) read.push_back(std::move(image));
     }
   }

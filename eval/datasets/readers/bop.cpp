@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "eval/datasets/bop/layout.h"
+#include "eval/datasets/bop/image.h"
 #include "eval/datasets/bop/models.h"
 #include "eval/datasets/bop/numbered.h"
 #include "eval/datasets/bop/read.h"
@@ -36,26 +36,14 @@ int target_object(const SightingSource& source, const std::vector<BopImage>& ima
                        : fmt::format("{}; say --object which of them is the target", has));
 }
 
-// The lens that the set states, else the one that is given.
-Camera camera_of(const BopImage& image, const Lens& given_lens) {
-  try {
-    Camera camera = camera_from_matrix(image.k);
-    camera.lens = is_pinhole(image.lens) ? given_lens : image.lens;
-    return camera;
-  } catch (const InputError& error) {
-    throw InputError(fmt::format("{}: image {}: cam_K {}",
-                                 (image.folder / bop::kSceneCameraFile).string(), image.im_id,
-                                 error.what()));
-  }
-}
-
 Sighting sighting_of(const SightingSource& source, const BopImage& image, int gt_id) {
   const BopInstance& instance = image.instances[gt_id];
   Sighting sighting;
   sighting.scene_id = image.scene_id;
   sighting.im_id = image.im_id;
   sighting.gt_id = gt_id;
-  sighting.camera = camera_of(image, source.lens);
+  sighting.camera = bop_camera(image);
+  if (is_pinhole(sighting.camera.lens)) sighting.camera.lens = source.lens;
   const Pose& mm = instance.cam_from_model;
   sighting.cam_from_target = {nearest_rotation(mm.rotation), kMetresPerMillimetre * mm.translation};
   sighting.visible_mask = bop_visible_mask(image, gt_id);
@@ -69,7 +57,7 @@ Sighting sighting_of(const SightingSource& source, const BopImage& image, int gt
 }
 
 SetReading read_bop_sightings(const SightingSource& source) {
-  BopImages read = read_bop_images(source.folder, source.split);
+  BopImages read = read_bop_images(source.folder, source.split, source.sensor);
   const std::vector<BopImage>& images = read.images;
   SetReading reading;
   reading.notes = std::move(read.notes);

@@ -196,6 +196,10 @@ SetReading read_speed_sightings(const SightingSource& source) {
     throw InputError(fmt::format("{}: is of one object, as SPEED+ is; no --object can be chosen",
                                  list.string()));
   }
+  if (!source.sensor.empty()) {
+    throw InputError(fmt::format("{}: is of one camera, as SPEED+ is; no --sensor can be chosen",
+                                 list.string()));
+  }
   if (!is_pinhole(source.lens)) {
     throw InputError("camera.distortion: is for BOP sets; SPEED+ has the lens in camera.json");
   }

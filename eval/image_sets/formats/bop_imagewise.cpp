@@ -160,12 +160,11 @@ std::vector<std::string> imagewise_problems(const SetPlan& plan, const fs::path&
   if (!paths.colour.empty()) picture(paths.colour, CV_MAKETYPE(grey, 3));
   bop::ReadImage image;
   image.depth = picture(paths.depth, CV_16U);
+  const MaskRuns masks(folder / paths.masks), visible_masks(folder / paths.visible_masks);
   for (size_t i = 0; i < bop::annotated(truth).size(); ++i) {
-    const auto mask = [&](const std::string& path) {
-      return checked(path, read_mask_runs(folder / path, static_cast<int>(i)), CV_8U);
-    };
-    image.masks.push_back(mask(paths.masks));
-    image.visible_masks.push_back(mask(paths.visible_masks));
+    const auto gt_id = static_cast<int>(i);
+    image.masks.push_back(checked(paths.masks, masks.mask(gt_id), CV_8U));
+    image.visible_masks.push_back(checked(paths.visible_masks, visible_masks.mask(gt_id), CV_8U));
   }
   if (!problems.empty()) return problems;
   return bop::instances_problems(plan, folder, truth, image);

@@ -6,8 +6,6 @@
 // each keypoint. Coordinates are parts of the image's width and height from its top-left corner,
 // which lies half a pixel before the first pixel's centre.
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
@@ -15,6 +13,7 @@
 #include "eval/datasets/pictures.h"
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
+#include "scenes/files/input_file.h"
 #include "scenes/picture/picture_file.h"
 
 namespace sightline {
@@ -100,9 +99,7 @@ std::vector<std::string> yolo_image_problems(const SetPlan& plan,
   if (picture.cols != camera.at("width_px") || picture.rows != camera.at("height_px")) {
     problems.push_back(paths[0] + " is torn, or not of the camera's size");
   }
-  std::ifstream label(folder / paths[1], std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(label), {}};
-  if (text != label_text(plan, truth)) {
+  if (bytes_of_file(folder / paths[1], kMostInputBytes) != label_text(plan, truth)) {
     problems.push_back(paths[1] + " is not what the truth says");
   }
   return problems;

@@ -12,7 +12,9 @@
 #include "eval/program/commands/commands.h"
 #include "eval/study/study_file.h"
 #include "eval/work/interrupt.h"
+#include "eval/work/memory.h"
 #include "eval/work/progress.h"
+#include "scenes/files/input_error.h"
 
 namespace sightline {
 namespace {
@@ -28,6 +30,10 @@ struct CoverageArguments {
 void run_coverage(const CoverageArguments& arguments) {
   remember_interrupts();
   const Study study = read_study(arguments.study, arguments.overrides);
+  const std::string problem = why_no_memory_for_runs(study, arguments.repeats, free_memory_bytes());
+  if (!problem.empty()) {
+    throw InputError(fmt::format("{}: {}; take fewer --repeats or --trials", study.name, problem));
+  }
   const int passes = study.images() != nullptr ? 2 : 1;
   Progress progress("coverage", int64_t{passes} * arguments.repeats, !arguments.is_quiet);
   CoverageOptions options;

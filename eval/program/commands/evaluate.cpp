@@ -31,6 +31,7 @@ struct EvaluateArguments {
   std::string dataset;
   std::string target;
   std::string split;
+  std::string sensor;
   std::optional<int> object;
   std::string axes = "target";
   std::string prior = kDrawnPrior;
@@ -73,6 +74,7 @@ std::string study_text(const EvaluateArguments& a) {
                       toml_text(fs::absolute(a.dataset).lexically_normal().string()),
                       toml_text(a.axes));
   if (!a.split.empty()) text += fmt::format("split = {}\n", toml_text(a.split));
+  if (!a.sensor.empty()) text += fmt::format("sensor = {}\n", toml_text(a.sensor));
   if (a.object) text += fmt::format("object = {}\n", *a.object);
   if (a.prior != kDrawnPrior) {
     text +=
@@ -114,6 +116,9 @@ void add_evaluate(CLI::App& app, const std::string& command, int& exit_code) {
   sub->add_option("--split", arguments->split,
                   "BOP: folder of scenes [test, or the only test*]; SPEED+: the list, such as "
                   "train or lightbox/test [the only one]");
+  sub->add_option("--sensor", arguments->sensor,
+                  "BOP: the camera of a scene that has several, by the name behind scene_gt_ [that "
+                  "which BOP evaluates]");
   sub->add_option("--object", arguments->object, "BOP: obj_id of the target [the only one]");
   sub->add_option("--axes", arguments->axes,
                   "What the set's poses are of: the target's frame (x forward, y starboard, z "

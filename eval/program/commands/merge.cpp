@@ -8,6 +8,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "eval/output/plain_text.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/run_command.h"
 #include "eval/work/interrupt.h"
@@ -28,7 +29,7 @@ void add_merge(CLI::App& app, const std::string& command, int& exit_code) {
   sub->callback([shards, out, command, &exit_code] {
     remember_interrupts();
     const RunResult result = merge_runs(*shards, *out, command);
-    std::cout << "report: " << (fs::path(*out) / "report.html").string() << "\n";
+    std::cout << "report: " << plain_line((fs::path(*out) / "report.html").string()) << "\n";
     print_note(result);
     exit_code = exit_code_of(result);
   });

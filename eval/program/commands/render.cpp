@@ -13,6 +13,7 @@
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/verify.h"
 #include "eval/output/json.h"
+#include "eval/output/plain_text.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/mesh_options.h"
 #include "eval/work/interrupt.h"
@@ -86,7 +87,7 @@ void print_result(const SetPlan& plan, const SetResult& result, const SetOptions
                              result.images);
   }
   std::cout << fmt::format(
-      "{}: {}\n", options.out.string(),
+      "{}: {}\n", plain_line(options.out.string()),
       result.is_complete ? fmt::format("{} images, complete", plan.count)
                          : fmt::format("{} of {} images; the last shard will complete the set",
                                        result.images, plan.count));

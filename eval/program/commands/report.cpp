@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "eval/output/plain_text.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/run_command.h"
 #include "eval/run/run.h"
@@ -44,7 +45,7 @@ void add_report(CLI::App& app) {
   sub->callback([arguments] {
     print_note(rewrite_report(arguments->folder));
     const fs::path page = fs::absolute(arguments->folder) / "report.html";
-    std::cout << "report: " << page.string() << std::endl;
+    std::cout << "report: " << plain_line(page.string()) << std::endl;
     if (arguments->is_opened) open_page(page);
   });
 }

@@ -14,6 +14,7 @@
 
 #include "eval/output/json.h"
 #include "eval/output/output_folder.h"
+#include "eval/output/plain_text.h"
 #include "eval/output/terminal.h"
 #include "eval/program/commands/commands.h"
 #include "eval/report/gnuplot.h"
@@ -38,6 +39,7 @@ struct ScoreArguments {
   std::vector<std::string> results;
   std::string dataset;
   std::string split;
+  std::string sensor;
   std::string out;
   double vsd_delta_mm = 15;
   std::vector<std::string> required;
@@ -157,7 +159,7 @@ void print_scores(const ScoreArguments& arguments, std::span<const MethodScores>
   for (const MethodScores& method : methods) {
     const fs::path folder =
         methods.size() == 1 ? fs::path(arguments.out) : fs::path(arguments.out) / method.name;
-    std::cout << fmt::format("report: {}\n", (folder / "report.html").string());
+    std::cout << fmt::format("report: {}\n", plain_line((folder / "report.html").string()));
   }
 }
 
@@ -171,7 +173,7 @@ int run_score(const ScoreArguments& arguments) {
     throw InputError("--junit: has nothing to tell without --require");
   }
   std::vector<Method> methods = read_methods(arguments);
-  const ScoredSet set = read_scored_set(arguments.dataset, arguments.split);
+  const ScoredSet set = read_scored_set(arguments.dataset, arguments.split, arguments.sensor);
   for (Method& method : methods) method.estimates = read_estimates(method.file, set);
   score_methods(arguments, set.dataset, methods);
   std::vector<MethodScores> scored;
@@ -222,6 +224,9 @@ void add_score(CLI::App& app, int& exit_code) {
   sub->add_option("--split", arguments->split,
                   "BOP: its folder of scenes [test, or the only test*]; SPEED+: its list without "
                   ".json");
+  sub->add_option("--sensor", arguments->sensor,
+                  "BOP: the camera of a scene that has several, by the name behind scene_gt_ [that "
+                  "which BOP evaluates]");
   sub->add_option("--require", arguments->required,
                   "What a figure must be, such as 'add_recall>=0.9' or "
                   "'geodesic_deg.median<=0.5'; exit 3 where it is not")

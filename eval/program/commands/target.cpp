@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "eval/output/plain_text.h"
 #include "eval/output/terminal.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/mesh_options.h"
@@ -39,7 +40,7 @@ void run_target(const TargetArguments& arguments, const TargetChanges& changes) 
   if (!told.empty()) std::cout << '\n' << told;
   if (changes.review.empty()) return;
   write_review(file, changes.review);
-  std::cout << "\nreview     " << changes.review << '\n';
+  std::cout << "\nreview     " << plain_line(changes.review) << '\n';
 }
 
 }  // namespace

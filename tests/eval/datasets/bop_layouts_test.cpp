@@ -100,6 +100,45 @@ TEST_F(OtherLayouts, OfSeveralSensorsAreThatWhichBopEvaluates) {
   EXPECT_THAT(error(), HasSubstr("scene_camera_rgb.json: is missing"));
 }
 
+TEST_F(OtherLayouts, OfSeveralSensorsCanBeChosen) {
+  write_scene("cam1", "rgb_cam1", 9000);
+  write_scene("photoneo", "gray_photoneo", 8000);
+  const auto z_mm = [&](const std::string& sensor) {
+    const BopImages read = read_bop_images(folder_.path(), "", sensor);
+    EXPECT_THAT(read.notes.empty(), !sensor.empty()) << "what was chosen needs no note";
+    return read.images.at(0).instances[0].cam_from_model.translation.z();
+  };
+  const auto error_with = [&](const std::string& sensor) {
+    return error_of([&] { read_bop_images(folder_.path(), "", sensor); });
+  };
+  EXPECT_EQ(z_mm(""), 8000);
+  EXPECT_EQ(z_mm("cam1"), 9000);
+  EXPECT_EQ(z_mm("photoneo"), 8000);
+  EXPECT_THAT(images().notes, ElementsAre(HasSubstr("not cam1: --sensor chooses")));
+  EXPECT_THAT(error_with("cam2"), AllOf(HasSubstr("test/000001: has no sensor 'cam2'"),
+                                        HasSubstr("its sensors are cam1, photoneo")));
+  EXPECT_THAT(error_with("../000001"), HasSubstr("has no sensor"));
+  // scene_gt.json beside them is a sensor without a name, read where none is chosen.
+  write("test/000001/scene_gt.json", {{"0", truth(6000)}});
+  write("test/000001/scene_camera.json", {{"0", camera()}});
+  EXPECT_EQ(z_mm(""), 6000);
+  EXPECT_EQ(z_mm("cam1"), 9000);
+  EXPECT_THAT(images().notes, ElementsAre(HasSubstr("that of scene_gt.json is read, not cam1, "
+                                                    "photoneo")));
+  for (const char* of : {"cam1", "photoneo"}) {
+    fs::remove(folder_.path() / (std::string("test/000001/scene_gt_") + of + ".json"));
+  }
+  EXPECT_THAT(images().notes, IsEmpty());
+  EXPECT_THAT(error_with("cam1"), HasSubstr("none of another sensor: leave --sensor out"));
+}
+
+TEST_F(OtherLayouts, OfFilesImageByImageHaveNoSensors) {
+  write_imagewise("test/");
+  EXPECT_EQ(error(), "");
+  EXPECT_THAT(error_of([&] { read_bop_images(folder_.path(), "", "cam1"); }),
+              HasSubstr("no --sensor can be chosen"));
+}
+
 TEST_F(OtherLayouts, OfFilesImageByImageAreReadWithTheirMasks) {
   write_imagewise("test_imagewise/");
   const auto target = load_target("cube");
@@ -166,22 +205,50 @@ TEST_F(OtherLayouts, OfArchivesAreNamedWithWhatToDo) {
   EXPECT_THAT(error(), names_format);
 }
 
+// The instances of an image lie one behind the other, and share its picture and its masks.
+TEST_F(OtherLayouts, OfFilesImageByImageAreReadOnceAnImage) {
+  write_imagewise("");
+  const auto target = load_target("cube");
+  SightingSource source;
+  source.folder = folder_.path();
+  const std::vector<Sighting> sightings = read_sightings(source, target).sightings;
+  SetFiles files;
+  const Sighting& first = sightings.at(0);
+  const SetFrame before = read_set_frame(target, 8, first, files);
+  ASSERT_FALSE(before.problem);
+  fs::remove(first.picture);
+  fs::remove(first.visible_mask);
+  const SetFrame again = read_set_frame(target, 8, first, files);
+  ASSERT_FALSE(again.problem);
+  EXPECT_EQ(cv::norm(again.frame.image, before.frame.image, cv::NORM_INF), 0);
+  EXPECT_EQ(cv::norm(again.frame.body_ids, before.frame.body_ids, cv::NORM_INF), 0);
+  // Whoever draws into one leaves the next as it is.
+  cv::Mat drawn_into = again.frame.image;
+  drawn_into.setTo(200);
+  EXPECT_EQ(read_set_frame(target, 8, first, files).frame.image.at<uint8_t>(0, 0), 9);
+  EXPECT_FALSE(read_set_frame(target, 8, sightings.at(1), files).problem);
+  EXPECT_EQ(read_set_frame(target, 8, first, files).problem, EstimateOutcome::kPictureUnreadable)
+      << "that of the last image alone is kept";
+}
+
 TEST(MaskRuns, AreColumnByColumn) {
   const TemporaryFolder folder;
-  const auto mask = [&](const std::string& entry) {
-    return read_mask_runs(folder.write("m.json", R"({"3": )" + entry + "}"), 3);
+  const auto mask = [&](const std::string& entry, int gt_id = 3) {
+    return MaskRuns(folder.write("m.json", R"({"3": )" + entry + "}")).mask(gt_id);
   };
   const cv::Mat read = mask(R"({"size": [2, 3], "counts": [1, 2, 3]})");
   ASSERT_EQ(read.size(), cv::Size(3, 2));
   const cv::Mat expected = (cv::Mat_<uint8_t>(2, 3) << 0, 255, 0, 255, 0, 0);
   EXPECT_EQ(cv::countNonZero(read != expected), 0);
-  EXPECT_TRUE(read_mask_runs(folder.path() / "m.json", 0).empty());
+  EXPECT_TRUE(MaskRuns(folder.path() / "m.json").mask(0).empty());
   for (const char* bad :
        {R"({"size": [2, 3], "counts": [1, 2, 2]})", R"({"size": [2, 3], "counts": [1, 2, 4]})",
         R"({"size": [2, 3], "counts": [-1, 7]})", R"({"size": [2, 3], "counts": "PYQ"})",
         R"({"size": [90000, 90000], "counts": [8100000000]})", R"({"size": [2], "counts": []})",
         R"({"size": [2, 3], "counts": [18446744073709551615, 7]})"}) {
     EXPECT_TRUE(mask(bad).empty()) << bad;
+    const std::string neighbour = R"(, "04": {"size": [1, 1], "counts": [1]})";
+    EXPECT_EQ(mask(bad + neighbour, 4).total(), 1u) << "beside " << bad;
   }
 }
 

@@ -173,6 +173,10 @@ TEST_F(OddSet, HasOneMissByVsdWhereDepthIsTornOrAbsent) {
   EXPECT_THAT(note_on_vsd(scores(rows)), HasSubstr("the depth of 1 of the images"));
   fs::remove(scene() / "depth/000001.png");
   EXPECT_DOUBLE_EQ(summarise(scores(rows)).ar_vsd.value, 2.0 / 3);
+  // One of half the size would be compared with what is elsewhere.
+  write("test/000001/depth/000001.png", png_bytes(cv::Mat::zeros(kHeight / 2, kWidth / 2, CV_16U)));
+  EXPECT_DOUBLE_EQ(summarise(scores(rows)).ar_vsd.value, 2.0 / 3);
+  EXPECT_THAT(note_on_vsd(scores(rows)), HasSubstr("1 of the images is missing, of another size"));
 }
 
 TEST_F(OddSet, TakesTheWidthOfItsPicturesAndNotThatOfItsCamera) {
@@ -262,6 +266,95 @@ TEST_F(OddSet, IsRefusedWithNumbersThatCannotBe) {
   cameras["2"]["cam_K"][0] = 1e308;
   write("test/000001/scene_camera.json", cameras.dump());
   EXPECT_THAT(error(), HasSubstr("scene_camera.json: image 2: its camera has a number beyond"));
+}
+
+// Recalls against these would be numbers that mean nothing.
+TEST_F(OddSet, IsRefusedWhereNothingCouldBeScored) {
+  const json cameras = read("test/000001/scene_camera.json");
+  const auto camera_error = [&](const char* key, const json& value) {
+    json bad = cameras;
+    bad["1"][key] = value;
+    write("test/000001/scene_camera.json", bad.dump());
+    return error();
+  };
+  for (const json& k :
+       {json{-500, 0, 32, 0, 500, 24, 0, 0, 1}, json{500, 0, 0, 0, 500, 0, 32, 24, 1},
+        json{1000, 0, 64, 0, 1000, 48, 0, 0, 2}, json{0, 0, 0, 0, 0, 0, 0, 0, 0}}) {
+    EXPECT_THAT(camera_error("cam_K", k),
+                HasSubstr("scene_camera.json: image 1: cam_K must be fx s cx, 0 fy cy, 0 0 1"));
+  }
+  EXPECT_THAT(camera_error("depth_scale", -1.0),
+              HasSubstr("scene_camera.json: image 1: depth_scale is -1, must be above 0"));
+  EXPECT_EQ(camera_error("depth_scale", 0.1), "");
+  const auto truths_at = [&](double z_mm) {
+    json truths = read("test/000001/scene_gt.json");
+    for (json& image : truths) image[0]["cam_t_m2c"] = {0, 0, z_mm};
+    write("test/000001/scene_gt.json", truths.dump());
+    return error();
+  };
+  for (const double z_mm : {1.0, 0.0, -1000.0}) {
+    EXPECT_THAT(truths_at(z_mm), HasSubstr("none of its 3 true poses has the object in front"));
+  }
+  EXPECT_EQ(truths_at(1000), "");
+}
+
+TEST_F(OddSet, SaysWhereADiameterIsNotThatOfTheModel) {
+  for (const char* good : {"173.205", "170", "95"}) {
+    write("models/models_info.json", fmt::format(R"({{"1": {{"diameter": {}}}}})", good));
+    EXPECT_THAT(dataset().notes, IsEmpty()) << good;
+  }
+  for (const char* bad : {"0.173205", "80", "1732"}) {
+    write("models/models_info.json", fmt::format(R"({{"1": {{"diameter": {}}}}})", bad));
+    EXPECT_THAT(dataset().notes, ElementsAre(HasSubstr(fmt::format("a diameter of {} mm, its model "
+                                                                   "is 100 x 100 x 100",
+                                                                   bad))));
+  }
+}
+
+TEST_F(OddSet, HasSymmetriesThatAreRotationsAndNotTooMany) {
+  const auto error_with = [&](const json& discrete, size_t axes) {
+    json info = {{"diameter", 173.205}, {"symmetries_discrete", discrete}};
+    for (size_t i = 0; i < axes; ++i) {
+      info["symmetries_continuous"].push_back({{"axis", {0, 0, 1}}, {"offset", {0, 0, 0}}});
+    }
+    write("models/models_info.json", json{{"1", info}}.dump());
+    return error();
+  };
+  const auto scaled = [](double x, double y) {
+    return json{x, 0, 0, 0, 0, y, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  };
+  const json half_turn = scaled(-1, -1);
+  EXPECT_EQ(error_with(json::array({half_turn}), 1), "");
+  EXPECT_THAT(error_with(json::array({half_turn, scaled(2, 2)}), 0),
+              HasSubstr("symmetries_discrete has no rotation at place 1"));
+  EXPECT_THAT(error_with(json::array({scaled(-1, 1)}), 0),
+              HasSubstr("no rotation at place 0"));  // a mirror
+  // Each axis makes 315 poses, of which each discrete one makes as many again.
+  EXPECT_EQ(error_with(json(99, half_turn), 3), "");
+  EXPECT_THAT(error_with(json(99, half_turn), 4),
+              HasSubstr("symmetries make 126000 poses of one, must make 100000 at most"));
+}
+
+TEST_F(OddSet, HasEachSceneOnce) {
+  fs::copy(scene(), set() / "test/0001", fs::copy_options::recursive);
+  EXPECT_THAT(error(), HasSubstr("test: has scene 1 twice, as 000001 and 0001"));
+  fs::remove_all(set() / "test/0001");
+  EXPECT_EQ(error(), "");
+}
+
+TEST_F(OddSet, NeedsNoCameraOfAnImageThatShowsNothing) {
+  json truths = read("test/000001/scene_gt.json");
+  truths["7"] = json::array();
+  write("test/000001/scene_gt.json", truths.dump());
+  EXPECT_EQ(dataset().images.size(), 3u);
+  truths["7"].push_back(truth());
+  write("test/000001/scene_gt.json", truths.dump());
+  EXPECT_THAT(error(), HasSubstr("scene_camera.json: has no image 7"));
+}
+
+TEST_F(OddSet, HasPicturesInWebP) {
+  fs::rename(scene() / "rgb/000000.png", scene() / "rgb/000000.webp");
+  EXPECT_EQ(bop_picture(dataset().images[0]).filename(), "000000.webp");
 }
 
 // 30 000 x 30 000 pixels of one bit: 100 kB that would be 900 MB.

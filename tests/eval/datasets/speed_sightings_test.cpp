@@ -236,7 +236,20 @@ TEST_F(ForeignSpeed, IsRefusedInOneLineThatNamesTheFile) {
   folder_.write("synthetic/train.json", R"([{"filename": "img1.jpg",
       "q_vbs2tango_true": [1, 0, 0, 0], "r_Vo2To_vbs_true": [0, 0, -10]}])");
   EXPECT_THAT(error(), HasSubstr("none of its 1 poses puts 'cube' into its image"));
+  // In millimetres a cube of a metre is 0.2 px; in kilometres the camera stands within it.
+  for (const auto& [z, reason] : {std::pair("10000", "it is smaller than 2 px"),
+                                  std::pair("0.01", "the camera stands within its box")}) {
+    folder_.write("synthetic/train.json",
+                  std::string(R"([{"filename": "img1.jpg", "q_vbs2tango_true": [1, 0, 0, 0],
+                                   "r_Vo2To_vbs_true": [0, 0, )") +
+                      z + "]}]");
+    EXPECT_THAT(error(), testing::AllOf(HasSubstr(reason), HasSubstr("in m in SPEED+")));
+  }
   folder_.write("synthetic/train.json", kList);
+  SightingSource of_sensor = source("synthetic", "");
+  of_sensor.sensor = "left";
+  EXPECT_THAT(error_of([&] { read_sightings(of_sensor, cube_); }),
+              HasSubstr("no --sensor can be chosen"));
   fs::remove(folder_.path() / "camera.json");
   EXPECT_THAT(error(), HasSubstr("camera.json: is missing"));
 }

@@ -108,6 +108,7 @@ TEST_F(Processes, AFailureIsAStatusWithAReasonAndTheNextTrialIsAsked) {
       {"stranger", EstimateOutcome::kGarbled, "names the feature 'nose'", true},
       {"unsure", EstimateOutcome::kGarbled, "has a covariance with a variance that", true},
       {"infinite", EstimateOutcome::kGarbled, "Infinity", true},
+      {"abyss", EstimateOutcome::kGarbled, "is nested deeper than 100", true},
       {"raise", EstimateOutcome::kRaisedError, "raised an error: the network is tired", false},
       {"none", EstimateOutcome::kNoEstimate, "trial 2: no estimate", false},
       {"long", EstimateOutcome::kNotRigid, "trial 2: not rigid", false},

@@ -64,6 +64,8 @@ def answer_badly(question):
         say({**GOOD, **with_id, "removed": ["nose"], "observations": [{"feature": "nose"}]})
     elif MOOD == "unsure":
         say({**GOOD, **with_id, "covariance": [[0] * 6] * 6})
+    elif MOOD == "abyss":
+        say('{"id": ' + 1_000_000 * "[" + 1_000_000 * "]" + "}")
     elif MOOD == "infinite":
         say({**GOOD, **with_id, "translation_m": [0, 0, float("inf")]})
 

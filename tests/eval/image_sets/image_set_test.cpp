@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <fstream>
 #include <map>
 #include <thread>
 
@@ -28,6 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 
 Eigen::Vector3d vector_of(const json& numbers) {
@@ -186,14 +188,14 @@ TEST_F(ImageSet, JobsAndShardsGiveTheSameBytes) {
             tree("other").at("test/000000/scene_gt.json"));
 }
 
-// Starts the program in a process of its own.
-pid_t start(const std::string& arguments) {
+// Starts the program in a process of its own, its words into a file.
+pid_t start(const std::string& arguments, const std::string& words = "/dev/null") {
   const pid_t process = fork();
   if (process != 0) return process;
   setpgid(0, 0);
-  const int null = open("/dev/null", O_WRONLY);
-  dup2(null, 1);
-  dup2(null, 2);
+  const int file = open(words.c_str(), O_WRONLY | O_CREAT, 0600);
+  dup2(file, 1);
+  dup2(file, 2);
   execl("/bin/sh", "sh", "-c", (std::string("exec ") + SIGHTLINE_PROGRAM + " " + arguments).c_str(),
         nullptr);
   _exit(127);
@@ -282,6 +284,68 @@ TEST_F(ImageSet, TwoRunsIntoOneFolderAreRefused) {
   }
   kill(process, SIGKILL);
   waitpid(process, nullptr, 0);
+}
+
+// A process that knows the set as it was before it grew neither says that it is whole nor lists it.
+TEST_F(ImageSet, GrowsUnderARunThatKnowsTheShorterOne) {
+  const std::string scenes = "--scene-size 100 --quiet ";
+  const std::string shorter =
+      "render cube" + kQuick + "--out " + path("set") + " " + scenes + "--count 120 --shard 1/2 ";
+  const pid_t process = start(shorter + "--resume", path("words"));
+  while (truths_in(path("set")).empty() && waitpid(process, nullptr, WNOHANG) == 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ASSERT_EQ(kill(-process, SIGSTOP), 0);  // in the middle of its images
+  EXPECT_EQ(render("set", scenes + "--count 121 --resume --shard 0/2").exit_code, 0);
+  EXPECT_EQ(kill(-process, SIGCONT), 0);
+  int status = 0;
+  waitpid(process, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_THAT(read_whole(path("words")),
+              AllOf(HasSubstr("was made another set while this run made its images"),
+                    HasSubstr("count 121, not 120")));
+  EXPECT_FALSE(fs::exists(path("set/test_targets_bop19.json")));
+  EXPECT_THAT(run(shorter + "--resume").output, HasSubstr("count 121, not 120"));
+  const Outcome last = render("set", scenes + "--count 121 --resume --shard 1/2");
+  EXPECT_EQ(last.exit_code, 0) << last.output;
+  EXPECT_EQ(verify("set").exit_code, 0) << verify("set").output;
+}
+
+// A set that somebody sent may be made to hang or to crash whoever continues it, or to have it
+// write elsewhere.
+TEST_F(ImageSet, ThatWasTamperedWithIsNotContinued) {
+  ASSERT_EQ(render("set", "--count 2 --quiet").exit_code, 0);
+  const std::string manifest = read_whole(path("set/sightline.json"));
+  const auto output_with = [&](const std::string& file, const auto& make) {
+    const std::string before = read_whole(path("set/" + file));
+    fs::remove(path("set/" + file));
+    make(path("set/" + file));
+    const Outcome outcome = render("set", "--count 2 --quiet --resume");
+    fs::remove(path("set/" + file));
+    folder_.write("set/" + file, before);
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.output;
+    EXPECT_EQ(lines_of(outcome.output), 1u) << outcome.output;
+    return outcome.output;
+  };
+  const auto pipe = [](const std::string& file) { mkfifo(file.c_str(), 0600); };
+  EXPECT_THAT(output_with("sightline.json", pipe), HasSubstr("no manifest that can be read"));
+  EXPECT_THAT(output_with("sightline.json",
+                          [&](const std::string& file) {
+                            const std::string deep =
+                                std::string(100'000, '[') + std::string(100'000, ']');
+                            std::ofstream(file) << "{\"count\": " << deep << "}";
+                          }),
+              HasSubstr("no manifest that can be read"));
+  EXPECT_THAT(output_with("scene.toml", pipe), HasSubstr("other keys of the scene"));
+  EXPECT_THAT(output_with("sightline/000000/000001.json", pipe),
+              HasSubstr("cannot be read as a truth"));
+  EXPECT_THAT(
+      output_with(".lock",
+                  [&](const std::string& file) { fs::create_symlink(path("victim"), file); }),
+      HasSubstr("cannot be written"));
+  EXPECT_FALSE(fs::exists(path("victim")));
+  EXPECT_EQ(render("set", "--count 2 --quiet --resume").exit_code, 0);
+  EXPECT_EQ(verify("set").exit_code, 0) << verify("set").output;
 }
 
 TEST_F(ImageSet, VerifyFindsWhatIsWrong) {

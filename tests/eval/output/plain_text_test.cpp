@@ -118,6 +118,18 @@ TEST(Json, OfSomebodyIsBounded) {
   EXPECT_THAT(error_of([&] { read_json(folder.path() / "none"); }), HasSubstr("is missing"));
 }
 
+// The bounds of a file are of gigabytes; small ones here show that each is kept, to the one.
+TEST(Json, OfSomebodyHasSoManyValuesListsAndDepths) {
+  const auto error = [](const std::string& text, const JsonBounds& bounds) {
+    return error_of([&] { parse_json(text, "a.json", bounds); });
+  };
+  const std::string text = R"({"a": [1, "b", null, true], "c": [[2]]})";
+  EXPECT_EQ(error(text, {.deepest = 3, .most_lists = 4, .most_values = 5}), "");
+  EXPECT_THAT(error(text, {.deepest = 2}), HasSubstr("a.json: is nested deeper than 2"));
+  EXPECT_THAT(error(text, {.most_lists = 3}), HasSubstr("has more than 3 lists and objects"));
+  EXPECT_THAT(error(text, {.most_values = 4}), HasSubstr("a.json: has more than 4 values"));
+}
+
 // Every reader opens files one way: what never ends and what is too large is known before it is
 // read.
 TEST(InputFiles, AreRegularAndBounded) {

@@ -161,6 +161,18 @@ TEST_F(ForeignSet, AsksForTheObjectWhereThereAreTwo) {
   EXPECT_THAT(told.output, AllOf(HasSubstr("2 trials in 1 condition"), HasSubstr("report: ")));
 }
 
+TEST_F(ForeignSet, IsSeenByTheSensorThatIsChosen) {
+  for (const char* file : {"scene_gt", "scene_camera"}) {
+    fs::rename(scene_ / (std::string(file) + ".json"), scene_ / (std::string(file) + "_left.json"));
+  }
+  fs::rename(scene_ / "rgb", scene_ / "rgb_left");
+  const std::string quick = "--object 4 --trials 1 --extractor model_edges --quiet --sensor ";
+  EXPECT_THAT(evaluate(quick + "right").output,
+              AllOf(HasSubstr("has no sensor 'right'"), HasSubstr("its sensors are left")));
+  const Outcome left = evaluate(quick + "left");
+  EXPECT_EQ(left.exit_code, 0) << left.output;
+}
+
 TEST_F(ForeignSet, HasItsPosesOfTheAxesOfTheFile) {
   SightingSource of_file = source();
   of_file.is_of_file_axes = true;

@@ -206,6 +206,12 @@ TEST_F(Program, ReportIsWrittenAnewFromTheTrials) {
   ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_EQ(results("run", "results.csv"), csv);
   EXPECT_TRUE(fs::exists(folder_.path() / "run" / "report.html"));
+  // Of a run that somebody sent, whose manifest is made to crash what walks through it.
+  constexpr size_t kDeep = 1'000'000;
+  folder_.write("run/manifest.json",
+                "{\"command\": " + std::string(kDeep, '[') + std::string(kDeep, ']') + "}");
+  const Outcome deep = run("report " + path("run"));
+  EXPECT_EQ(deep.exit_code, 0) << deep.output;
 }
 
 TEST_F(Program, TrialsThatCannotBeImagedAreCountedAndSaid) {

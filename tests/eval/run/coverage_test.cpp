@@ -12,6 +12,7 @@
 namespace sightline {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -51,6 +52,23 @@ TEST(Coverage, OfThetaHasItsCellsFarFromGimbalLockAlone) {
   const auto far = coverage_of({"poses.angle_deg=[-50, 50]"});
   EXPECT_EQ(number(far, "theta_error_deg.mean").cells, 2);
   EXPECT_EQ(number(far, "theta_error_deg.mean").without, 0);
+}
+
+// Two cells of some 860 bytes a run: 200 million runs are some 350 GB.
+TEST(Coverage, SaysWhatDoesNotFitBeforeItBegins) {
+  StudyOverrides overrides;
+  overrides.trials = 30;
+  overrides.set = {"sweep.noise_px=[1.0]", "solvers=[\"lspe\", \"oracle\"]"};
+  const Study study = read_study("cube-noise", overrides);
+  EXPECT_EQ(why_no_memory_for_runs(study, 200, 1e9), "");
+  EXPECT_EQ(why_no_memory_for_runs(study, 200'000'000, std::nullopt), "") << "nobody knows";
+  EXPECT_THAT(why_no_memory_for_runs(study, 200'000'000, 1e9),
+              AllOf(HasSubstr("200000000 runs of 30 trials with 2 cells"),
+                    HasSubstr("GB, and 1.0 GB are free")));
+  // The errors of all runs are kept up to a number of them, so that more runs add their cells
+  // alone.
+  EXPECT_NE(why_no_memory_for_runs(study, 4'000, 20e6), "");
+  EXPECT_EQ(why_no_memory_for_runs(study, 8'000, 40e6), "");
 }
 
 }  // namespace

@@ -78,6 +78,12 @@ TEST(NumericSweeps, MakeTheTrialThatTheKeyItselfMakes) {
 TEST(NumericSweeps, BlameTheSweepForWhatIsWrong) {
   EXPECT_THAT(cube_error("sweep={noise_px=[1], 'solver.rho'=[5, 0.5]}"),
               HasSubstr("sweep: solver.rho=0.5: "));
+  for (const char* none : {"inf", "-inf", "nan"}) {
+    EXPECT_THAT(cube_error(std::string("sweep={noise_px=[1], 'solver.rho'=[5, ") + none + "]}"),
+                HasSubstr(std::string("solver.rho is ") + none + ", must be a number, from 1 to "));
+  }
+  EXPECT_THAT(cube_error("sweep={noise_px=[1], 'solver.rho'=[1e400]}"),
+              HasSubstr("'1e400' is beyond numbers of 64 bits"));
   EXPECT_THAT(cube_error("sweep={noise_px=[1], 'solver.roh'=[5]}"),
               HasSubstr("did you mean 'rho'"));
   EXPECT_THAT(cube_error("sweep={'image.bits'=[8]}"), HasSubstr("or one of noise_px, outliers"));

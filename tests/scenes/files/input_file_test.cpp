@@ -7,8 +7,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <zlib.h>
 
+#include "scenes/files/pauses.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
@@ -82,6 +84,32 @@ TEST(InputFiles, ThatArePackedAndDamagedAreSaid) {
   EXPECT_THAT(error(wrong_sum), HasSubstr("is damaged"));
   EXPECT_THAT(error_of([&] { read_input_file(folder.path() / "no.gz", kMiB); }),
               HasSubstr("no.gz: is missing or cannot be read"));
+}
+
+// A file of a set is the one that was written, or not: what gzip packed is another.
+TEST(InputFiles, AsTheyStandAreNeverUnpacked) {
+  const TemporaryFolder folder;
+  const fs::path file = packed(folder.path() / "a.gz", "text");
+  EXPECT_EQ(bytes_of_file(file, kMiB), read_whole(file));
+  EXPECT_EQ(bytes_of_file(folder.write("empty", ""), kMiB), "");
+  EXPECT_EQ(bytes_of_file(folder.write("four", "1234"), 4), "1234");
+  EXPECT_FALSE(bytes_of_file(folder.path() / "four", 3));
+  EXPECT_FALSE(bytes_of_file(folder.path() / "none", kMiB));
+  EXPECT_FALSE(bytes_of_file(folder.path(), kMiB));
+  ASSERT_EQ(mkfifo((folder.path() / "pipe").c_str(), 0600), 0);
+  EXPECT_FALSE(bytes_of_file(folder.path() / "pipe", kMiB));
+}
+
+// So that a signal is heard in the middle of a file that is one number, or one text.
+TEST(InputFiles, ArePausedIn) {
+  struct Paused {};
+  const TemporaryFolder folder;
+  const fs::path file = folder.write("long.json", "\"" + std::string(kMiB, 'a') + "\"");
+  EXPECT_EQ(read_input_file(file, 2 * kMiB).size(), kMiB + 2);
+  call_in_pauses([] { throw Paused(); });
+  EXPECT_THROW(read_input_file(file, 2 * kMiB), Paused);
+  EXPECT_THROW(bytes_of_file(file, 2 * kMiB), Paused);
+  call_in_pauses(nullptr);
 }
 
 TEST(InputFiles, AreFoundByTheNameBeforeTheyWerePacked) {

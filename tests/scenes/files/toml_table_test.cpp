@@ -125,6 +125,17 @@ TEST(TomlTable, SaysWhereAFileIsBroken) {
               HasSubstr("no/such/file.toml"));
 }
 
+TEST(TomlTable, SaysWhichNumberIsBeyondAll) {
+  EXPECT_EQ(error_of([] { parse("a = 1e308\n"); }), "");
+  EXPECT_THAT(error_of([] { parse("a = 1\nb = [2, -1e400]\n"); }),
+              HasSubstr("study.toml:2: '1e400' is beyond numbers of 64 bits"));
+  EXPECT_THAT(error_of([] { parse("a = 1\n", {"a={b=[1e400]}"}); }),
+              HasSubstr("--set a={b=[1e400]}: '1e400' is beyond numbers"));
+  EXPECT_EQ(parse("a = 1\n", {"a=[1] says so"}).text("a"), "[1] says so");
+  // A word is a text, and what no number can be is one.
+  EXPECT_EQ(parse("a = 1\n", {"a=1e400"}).text("a"), "1e400");
+}
+
 TEST(TomlTable, AsWrittenItReadsTheSame) {
   const TomlTable table = parse("a = 0.1\n[b]\nc = ['x', 'y']\n", {"a=0.2"});
   const TomlTable again = parse(table.to_toml());
