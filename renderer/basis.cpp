@@ -137,9 +137,9 @@ std::optional<BasisImages> BasisDrawer::draw(const Pose& cam_from_mesh,
   if (!is_in_front(mesh_, cam_from_mesh)) return std::nullopt;
   const PixelBox canvas{0, 0, camera_.width_px, camera_.height_px};
   const Screen screen(camera_, canvas, cam_from_mesh.translation.z());
-  triangles_.clear();
-  screen.append(mesh_, cam_from_mesh, 1, triangles_);
-  const PixelBox touched = touched_box(triangles_, canvas);
+  on_screen_.clear();
+  screen.append(mesh_, cam_from_mesh, 1, on_screen_);
+  const PixelBox touched = touched_box(on_screen_, canvas);
   if (touched.is_empty()) return std::nullopt;
   const int margin = options.margin_px;
   BasisImages images =
@@ -151,7 +151,7 @@ std::optional<BasisImages> BasisDrawer::draw(const Pose& cam_from_mesh,
   body.cam_from_body = cam_from_mesh;
   const SamplePattern& pattern = sample_pattern(options.samples_per_pixel);
   PixelSums sums(body, camera_, screen, pattern, options.to_light_in_cam);
-  painter_->start(triangles_, touched, pattern);
+  painter_->start(on_screen_, touched, pattern);
   while (painter_->next(strip_)) {
     for (int y = strip_.box.top; y < strip_.box.bottom; ++y) {
       for (int x = strip_.box.left; x < strip_.box.right; ++x) {

@@ -57,7 +57,7 @@ class BasisDrawer {
   const Mesh& mesh_;
   Camera camera_;
   std::unique_ptr<SamplePainter> painter_;
-  std::vector<ScreenTriangle> triangles_;
+  ScreenMesh on_screen_;
   VisibleStrip strip_;
 };
 

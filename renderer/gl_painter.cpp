@@ -89,9 +89,8 @@ class GlPainter : public SamplePainter {
     }
   }
 
-  void start(std::span<const ScreenTriangle> triangles, const PixelBox& box,
-             const SamplePattern& pattern) override {
-    triangles_ = triangles;
+  void start(const ScreenMesh& mesh, const PixelBox& box, const SamplePattern& pattern) override {
+    mesh_ = &mesh;
     pattern_ = &pattern;
     sample_cells_.clear();
     const auto& m = pattern.skewed_from_pixel;
@@ -106,8 +105,8 @@ class GlPainter : public SamplePainter {
     std::reverse(tiles_.begin(), tiles_.end());
     farthest_ = std::numeric_limits<double>::infinity();
     nearest_ = -farthest_;
-    for (const ScreenTriangle& triangle : triangles) {
-      for (const ScreenPoint& corner : triangle.corners) {
+    for (const ScreenTriangle& triangle : mesh.triangles) {
+      for (const ScreenPoint& corner : mesh.corners_of(triangle)) {
         farthest_ = std::min(farthest_, corner.nearness);
         nearest_ = std::max(nearest_, corner.nearness);
       }
@@ -218,9 +217,10 @@ class GlPainter : public SamplePainter {
     const double depth_scale = nearest_ > farthest_ ? -1.8 / (nearest_ - farthest_) : 0;
     const auto& m = pattern_->skewed_from_pixel;
     vertices_.clear();
-    for (const ScreenTriangle& triangle : triangles_) {
-      if (touched_box({&triangle, 1}, box).is_empty()) continue;
-      for (const ScreenPoint& corner : triangle.corners) {
+    for (const ScreenTriangle& triangle : mesh_->triangles) {
+      const auto corners = mesh_->corners_of(triangle);
+      if (touched_box(corners, box).is_empty()) continue;
+      for (const ScreenPoint& corner : corners) {
         const double x = corner.x - pattern_->first[0];
         const double y = corner.y - pattern_->first[1];
         const double column = m[0] * x + m[1] * y - skewed.left + 0.5;
@@ -308,7 +308,7 @@ class GlPainter : public SamplePainter {
   GLuint framebuffer_ = 0, ids_ = 0, depth_ = 0;
   int width_ = 0, height_ = 0;  // of the framebuffer
 
-  std::span<const ScreenTriangle> triangles_;
+  const ScreenMesh* mesh_ = nullptr;
   const SamplePattern* pattern_ = nullptr;
   std::vector<Cell> sample_cells_;  // of a pixel's samples, beside the pixel's own
   std::vector<PixelBox> tiles_;     // the next one last

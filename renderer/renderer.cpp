@@ -209,12 +209,12 @@ struct Renderer::Impl {
     const std::vector<PlacedBody> bodies = placed_bodies(scene, cam_from_target);
     const Screen screen(scene.camera, {0, 0, image.cols, image.rows},
                         reference_depth_m(scene.target->mesh, scene.cam_from_target));
-    triangles.clear();
+    on_screen.clear();
     for (const PlacedBody& body : bodies) {
-      screen.append(*body.mesh, body.cam_from_body, body.first_id, triangles);
+      screen.append(*body.mesh, body.cam_from_body, body.first_id, on_screen);
     }
     const SamplePattern& pattern = sample_pattern(scene.samples_per_pixel);
-    painter->start(triangles, touched_box(triangles, screen.canvas()), pattern);
+    painter->start(on_screen, touched_box(on_screen, screen.canvas()), pattern);
     times.draw_ms += watch.lap();
     if (image.channels() == 1) {
       Resolver resolver(bodies, scene, screen, pattern, colours.skies);
@@ -222,7 +222,7 @@ struct Renderer::Impl {
     } else {
       ColourResolver resolver(bodies, scene, screen, pattern, colours);
       if (resolver.is_see_through()) {
-        own_painter->start(triangles, touched_box(triangles, screen.canvas()), pattern);
+        own_painter->start(on_screen, touched_box(on_screen, screen.canvas()), pattern);
         resolve_layers(resolver, pattern, watch, image);
       } else {
         resolve<cv::Vec3f>(resolver, pattern, watch, image);
@@ -336,7 +336,7 @@ struct Renderer::Impl {
   std::unique_ptr<SamplePainter> painter;
   std::unique_ptr<SamplePainter> own_painter = make_own_painter();  // of what is see-through
   // Kept between frames for their memory.
-  std::vector<ScreenTriangle> triangles;
+  ScreenMesh on_screen;
   VisibleStrip strip;
   ColourMemory colours;
   std::vector<Eigen::Array4f> samples;  // of a strip that is made of layers

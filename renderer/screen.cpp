@@ -61,6 +61,7 @@ struct Screen::LensPoint {
   Eigen::Vector2d normalised;  // without the lens
   Eigen::Vector2d pixel;       // through it
   double nearness;
+  uint32_t index;  // of its point on the screen
 };
 
 Screen::Screen(const Camera& camera, const PixelBox& canvas, double reference_m)
@@ -101,8 +102,11 @@ Eigen::Vector2d Screen::normalised(const Eigen::Vector2d& pixel) const {
   return normalised_from_pixel(camera_, pixel).value_or(straight);
 }
 
-Screen::LensPoint Screen::through_lens(const Eigen::Vector2d& normalised, double nearness) const {
-  return {normalised, pixel_from_normalised(camera_, normalised), nearness};
+Screen::LensPoint Screen::add_bent_point(const Eigen::Vector2d& normalised, double nearness,
+                                         ScreenMesh& out) const {
+  const Eigen::Vector2d pixel = pixel_from_normalised(camera_, normalised);
+  out.points.push_back({pixel.x(), pixel.y(), nearness});
+  return {normalised, pixel, nearness, static_cast<uint32_t>(out.points.size() - 1)};
 }
 
 double Screen::chord_error_px(const LensPoint& a, const LensPoint& b) const {
@@ -115,14 +119,14 @@ double Screen::chord_error_px(const LensPoint& a, const LensPoint& b) const {
   for (const double t : {0.25, 0.5, 0.75}) {
     const Eigen::Vector2d on_edge = from.normalised + t * (to.normalised - from.normalised);
     const Eigen::Vector2d on_chord = from.pixel + t * (to.pixel - from.pixel);
-    worst2 = std::max(worst2, (through_lens(on_edge, 0).pixel - on_chord).squaredNorm());
+    worst2 = std::max(worst2, (pixel_from_normalised(camera_, on_edge) - on_chord).squaredNorm());
   }
   return std::sqrt(worst2);
 }
 
 // NOLINTNEXTLINE(misc-no-recursion): bounded by kMaxCuts.
 void Screen::append_bent(const LensPoint& a, const LensPoint& b, const LensPoint& c, uint32_t id,
-                         int depth, std::vector<ScreenTriangle>& triangles) const {
+                         int depth, ScreenMesh& out) const {
   const Eigen::Vector2d low = a.normalised.cwiseMin(b.normalised).cwiseMin(c.normalised);
   const Eigen::Vector2d high = a.normalised.cwiseMax(b.normalised).cwiseMax(c.normalised);
   if ((low.array() > max_normalised_.array()).any() ||
@@ -137,10 +141,7 @@ void Screen::append_bent(const LensPoint& a, const LensPoint& b, const LensPoint
     for (const LensPoint* p : {&a, &b, &c}) {
       if (p->normalised.norm() >= fold_radius_) return;
     }
-    triangles.push_back({{{a.pixel.x(), a.pixel.y(), a.nearness},
-                          {b.pixel.x(), b.pixel.y(), b.nearness},
-                          {c.pixel.x(), c.pixel.y(), c.nearness}},
-                         id});
+    out.triangles.push_back({{a.index, b.index, c.index}, id});
     return;
   }
   const LensPoint* p[3] = {&a, &b, &c};
@@ -149,9 +150,9 @@ void Screen::append_bent(const LensPoint& a, const LensPoint& b, const LensPoint
   const LensPoint& opposite = *p[(worst + 2) % 3];
   // Nearness, 1/z, is linear in normalised coordinates.
   const LensPoint middle =
-      through_lens((from.normalised + to.normalised) / 2, (from.nearness + to.nearness) / 2);
-  append_bent(from, middle, opposite, id, depth + 1, triangles);
-  append_bent(middle, to, opposite, id, depth + 1, triangles);
+      add_bent_point((from.normalised + to.normalised) / 2, (from.nearness + to.nearness) / 2, out);
+  append_bent(from, middle, opposite, id, depth + 1, out);
+  append_bent(middle, to, opposite, id, depth + 1, out);
 }
 
 // Four times what the canvas shows on either side, or what the lens may show of it.
@@ -167,58 +168,64 @@ ViewPyramid Screen::pyramid(double near_m) const {
 }
 
 void Screen::append_cut(const std::array<Eigen::Vector3d, 3>& corners, double near_m, uint32_t id,
-                        std::vector<ScreenTriangle>& triangles) const {
+                        ScreenMesh& out) const {
   const std::vector<Eigen::Vector3d> polygon = clipped(corners, pyramid(near_m));
   const auto nearness = [&](const Eigen::Vector3d& x) { return reference_m_ / x.z() - 1; };
-  const auto straight = [&](const Eigen::Vector3d& x) {
-    return ScreenPoint{camera_.fx_px * x.x() / x.z() + camera_.cx_px,
-                       camera_.fy_px * x.y() / x.z() + camera_.cy_px, nearness(x)};
-  };
-  const auto bent = [&](const Eigen::Vector3d& x) {
-    return through_lens(x.head<2>() / x.z(), nearness(x));
-  };
-  for (size_t i = 2; i < polygon.size(); ++i) {
-    if (is_straight(camera_)) {
-      triangles.push_back(
-          {{straight(polygon[0]), straight(polygon[i - 1]), straight(polygon[i])}, id});
+  const bool is_bent = !is_straight(camera_);
+  const auto first = static_cast<uint32_t>(out.points.size());
+  std::vector<LensPoint> bent;
+  for (const Eigen::Vector3d& x : polygon) {
+    if (is_bent) {
+      bent.push_back(add_bent_point(x.head<2>() / x.z(), nearness(x), out));
     } else {
-      append_bent(bent(polygon[0]), bent(polygon[i - 1]), bent(polygon[i]), id, 0, triangles);
+      out.points.push_back({camera_.fx_px * x.x() / x.z() + camera_.cx_px,
+                            camera_.fy_px * x.y() / x.z() + camera_.cy_px, nearness(x)});
+    }
+  }
+  for (uint32_t i = 2; i < polygon.size(); ++i) {
+    if (is_bent) {
+      append_bent(bent[0], bent[i - 1], bent[i], id, 0, out);
+    } else {
+      out.triangles.push_back({{first, first + i - 1, first + i}, id});
     }
   }
 }
 
 void Screen::append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_id,
-                    std::vector<ScreenTriangle>& triangles) const {
+                    ScreenMesh& out) const {
   const bool is_bent = !is_straight(camera_);
-  std::vector<ScreenPoint> straight(is_bent ? 0 : mesh.vertices.size());
-  std::vector<LensPoint> bent(is_bent ? mesh.vertices.size() : 0);
+  const auto first = static_cast<uint32_t>(out.points.size());
+  out.points.reserve(out.points.size() + mesh.vertices.size());
+  std::vector<LensPoint> bent;
+  if (is_bent) bent.reserve(mesh.vertices.size());
   double nearest = std::numeric_limits<double>::infinity();
   double farthest = -nearest;
-  for (size_t i = 0; i < mesh.vertices.size(); ++i) {
-    const Eigen::Vector3d x_in_cam = cam_from_mesh * mesh.vertices[i];
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
+    const Eigen::Vector3d x_in_cam = cam_from_mesh * vertex;
     nearest = std::min(nearest, x_in_cam.z());
     farthest = std::max(farthest, x_in_cam.z());
     const double inverse_z = 1 / x_in_cam.z();
     const double nearness = reference_m_ * inverse_z - 1;
     if (is_bent) {
-      bent[i] = through_lens(x_in_cam.head<2>() * inverse_z, nearness);
+      bent.push_back(add_bent_point(x_in_cam.head<2>() * inverse_z, nearness, out));
     } else {
-      straight[i] = {camera_.fx_px * x_in_cam.x() * inverse_z + camera_.cx_px,
-                     camera_.fy_px * x_in_cam.y() * inverse_z + camera_.cy_px, nearness};
+      out.points.push_back({camera_.fx_px * x_in_cam.x() * inverse_z + camera_.cx_px,
+                            camera_.fy_px * x_in_cam.y() * inverse_z + camera_.cy_px, nearness});
     }
   }
   if (!(farthest > 0)) return;  // all of it is behind the camera
   const double near_m = kNearFraction * farthest;
   const bool is_in_front = nearest >= near_m;
+  out.triangles.reserve(out.triangles.size() + mesh.triangles.size());
   uint32_t id = first_id;
   for (const Triangle& triangle : mesh.triangles) {
     const auto [a, b, c] = triangle.vertex;
     if (!is_in_front && has_corner_before(kCutFraction * farthest, mesh, cam_from_mesh, triangle)) {
-      append_cut(corners_of(mesh, cam_from_mesh, triangle), near_m, id, triangles);
+      append_cut(corners_of(mesh, cam_from_mesh, triangle), near_m, id, out);
     } else if (is_bent) {
-      append_bent(bent[a], bent[b], bent[c], id, 0, triangles);
+      append_bent(bent[a], bent[b], bent[c], id, 0, out);
     } else {
-      triangles.push_back({{straight[a], straight[b], straight[c]}, id});
+      out.triangles.push_back({{first + a, first + b, first + c}, id});
     }
     ++id;
   }

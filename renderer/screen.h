@@ -47,7 +47,7 @@ class Screen {
   /// Appends what of the mesh's triangles lies in front of the camera; triangle i gets the id
   /// first_id + i, all its pieces alike.
   void append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_id,
-              std::vector<ScreenTriangle>& triangles) const;
+              ScreenMesh& out) const;
 
   /// (x/z, y/z) of the ray that a point of the canvas sees.
   /// Where the lens cannot be undone, that of the nearest approach known: the pixel without lens.
@@ -57,11 +57,12 @@ class Screen {
   struct LensPoint;
   ViewPyramid pyramid(double near_m) const;
   void append_cut(const std::array<Eigen::Vector3d, 3>& corners, double near_m, uint32_t id,
-                  std::vector<ScreenTriangle>& triangles) const;
-  LensPoint through_lens(const Eigen::Vector2d& normalised, double nearness) const;
+                  ScreenMesh& out) const;
+  LensPoint add_bent_point(const Eigen::Vector2d& normalised, double nearness,
+                           ScreenMesh& out) const;
   double chord_error_px(const LensPoint& a, const LensPoint& b) const;
   void append_bent(const LensPoint& a, const LensPoint& b, const LensPoint& c, uint32_t id,
-                   int depth, std::vector<ScreenTriangle>& triangles) const;
+                   int depth, ScreenMesh& out) const;
 
   Camera camera_;
   PixelBox canvas_;

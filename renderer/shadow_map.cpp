@@ -36,28 +36,28 @@ ShadowMap::ShadowMap(const std::vector<PlacedBody>& bodies, size_t receiver,
   // Depths are written in single precision.
   double depth_m = extent.sizes().z();
   const PixelBox box{0, 0, side_, side_};
-  std::vector<ScreenTriangle> triangles;
+  ScreenMesh casters;
   for (const PlacedBody& caster : bodies) {
     const Eigen::Matrix3d turn = light_from_cam * caster.cam_from_body.rotation;
     const Eigen::Vector3d shift =
         light_from_cam * (caster.cam_from_body.translation - body.cam_from_body.translation) -
         origin_;
-    std::vector<ScreenPoint> points;
+    const auto first = static_cast<uint32_t>(casters.points.size());
     for (const Eigen::Vector3d& vertex : caster.mesh->vertices) {
       const Eigen::Vector3d x = turn * vertex + shift;
-      points.push_back({x.x() / texel_m_, x.y() / texel_m_, x.z()});
+      casters.points.push_back({x.x() / texel_m_, x.y() / texel_m_, x.z()});
       depth_m = std::max(depth_m, std::abs(x.z()));
     }
     for (const Triangle& triangle : caster.mesh->triangles) {
       const auto [a, b, c] = triangle.vertex;
-      triangles.push_back({{points[a], points[b], points[c]}, 1});
+      casters.triangles.push_back({{first + a, first + b, first + c}, 1});
     }
   }
   tolerance_m_ = 4 * std::numeric_limits<float>::epsilon() * depth_m + 1e-5 * size_m;
   nearest_.assign(static_cast<size_t>(side_) * side_, -std::numeric_limits<float>::max());
   VisibleStrip strip;
   const std::unique_ptr<SamplePainter> painter = make_own_painter();
-  painter->start(triangles, box, sample_pattern(1));
+  painter->start(casters, box, sample_pattern(1));
   while (painter->next(strip)) {
     const size_t first = static_cast<size_t>(strip.box.top) * side_;
     const size_t count = static_cast<size_t>(strip.box.height()) * side_;

@@ -57,15 +57,15 @@ void look_through(SamplePainter& painter, VisibleStrip& strip, const Screen& scr
 // Without `opacity` what is nearest is seen.
 IdImage paint_ids(const std::vector<PlacedBody>& bodies, const Screen& screen,
                   SurfaceOpacity* opacity = nullptr) {
-  std::vector<ScreenTriangle> triangles;
+  ScreenMesh on_screen;
   for (const PlacedBody& body : bodies) {
-    screen.append(*body.mesh, body.cam_from_body, body.first_id, triangles);
+    screen.append(*body.mesh, body.cam_from_body, body.first_id, on_screen);
   }
-  IdImage image{touched_box(triangles, screen.canvas()), {}};
+  IdImage image{touched_box(on_screen, screen.canvas()), {}};
   if (image.box.is_empty()) return image;
   image.ids.resize(static_cast<size_t>(image.box.width()) * image.box.height());
   const std::unique_ptr<SamplePainter> painter = make_own_painter();
-  painter->start(triangles, image.box, sample_pattern(1));
+  painter->start(on_screen, image.box, sample_pattern(1));
   VisibleStrip strip;
   while (painter->next(strip)) {
     const size_t first = static_cast<size_t>(strip.box.top - image.box.top) * image.box.width();

@@ -154,14 +154,54 @@ void paint(int samples, const FlatTriangle* triangles, const int* order, size_t 
   }
 }
 
-// Appends the triangle unless it covers nothing of the box.
-void append_flat(const ScreenTriangle& triangle, const PixelBox& box,
-                 std::vector<FlatTriangle>& triangles) {
-  const auto& [p, q, r] = triangle.corners;
-  const double area = (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
-  if (area == 0) return;
-  const PixelBox touched = touched_box({&triangle, 1}, box);
-  if (touched.is_empty()) return;
+// Grows by triangles.
+class Extent {
+ public:
+  explicit Extent(const PixelBox& box)
+      : box_(box),
+        left_(box.right),
+        top_(box.bottom),
+        right_(box.left - 1.0),
+        bottom_(box.top - 1.0) {}
+
+  void add(const std::array<ScreenPoint, 3>& corners) {
+    const auto& [p, q, r] = corners;
+    left_ = std::min({left_, p.x, q.x, r.x});
+    right_ = std::max({right_, p.x, q.x, r.x});
+    top_ = std::min({top_, p.y, q.y, r.y});
+    bottom_ = std::max({bottom_, p.y, q.y, r.y});
+  }
+
+  // Those of the box that it reaches.
+  PixelBox pixels() const {
+    // Pixel x reaches from x - 0.5 to x + 0.5. Cut before the cast: far points exceed an int.
+    const auto first = [](double x, int low, int high) {
+      return static_cast<int>(std::ceil(std::clamp<double>(x - 0.5, low, high)));
+    };
+    const auto end = [](double x, int low, int high) {
+      return static_cast<int>(std::floor(std::clamp<double>(x + 0.5, low - 1.0, high - 1.0))) + 1;
+    };
+    return {first(left_, box_.left, box_.right), first(top_, box_.top, box_.bottom),
+            end(right_, box_.left, box_.right), end(bottom_, box_.top, box_.bottom)};
+  }
+
+ private:
+  PixelBox box_;
+  double left_, top_, right_, bottom_;
+};
+
+// Twice the area, with the sign of the winding.
+double signed_area(const std::array<ScreenPoint, 3>& corners) {
+  const auto& [p, q, r] = corners;
+  return (q.x - p.x) * (r.y - p.y) - (q.y - p.y) * (r.x - p.x);
+}
+
+// Of a triangle that has an area and touches the box.
+FlatTriangle flattened(const std::array<ScreenPoint, 3>& corners, uint32_t id,
+                       const PixelBox& box) {
+  const auto& [p, q, r] = corners;
+  const double area = signed_area(corners);
+  const PixelBox touched = touched_box(corners, box);
   FlatTriangle t;
   t.left = touched.left;
   t.top = touched.top;
@@ -181,21 +221,20 @@ void append_flat(const ScreenTriangle& triangle, const PixelBox& box,
   t.nearness_x = to_q * (r.y - p.y) - to_r * (q.y - p.y);
   t.nearness_y = to_r * (q.x - p.x) - to_q * (r.x - p.x);
   t.nearness_0 = p.nearness - t.nearness_x * p.x - t.nearness_y * p.y;
-  t.id = triangle.id;
-  triangles.push_back(t);
+  t.id = id;
+  return t;
 }
 
 class OwnPainter : public SamplePainter {
  public:
-  void start(std::span<const ScreenTriangle> triangles, const PixelBox& box,
-             const SamplePattern& pattern) override {
+  void start(const ScreenMesh& mesh, const PixelBox& box, const SamplePattern& pattern) override {
+    mesh_ = &mesh;
     box_ = box;
     pattern_ = &pattern;
     next_ = 0;
+    batch_begin_ = batch_end_ = 0;
     begin_.clear();
     if (box.is_empty()) return;
-    triangles_.clear();
-    for (const ScreenTriangle& triangle : triangles) append_flat(triangle, box, triangles_);
     const size_t row_bytes =
         static_cast<size_t>(box.width()) * pattern.count * (sizeof(float) + sizeof(uint32_t));
     rows_ = static_cast<int>(std::clamp<size_t>(kStripBytes / row_bytes, 1, box.height()));
@@ -226,62 +265,101 @@ class OwnPainter : public SamplePainter {
   std::string description() const override { return "own rasteriser"; }
 
  private:
-  void paint_strip(int index, const float* limits, VisibleStrip& strip) const {
-    paint(pattern_->count, triangles_.data(), order_.data() + begin_[index],
-          begin_[index + 1] - begin_[index], pattern_->x.data(), pattern_->y.data(), strip.box,
-          limits, strip.nearness.data(), strip.ids.data(), strip.is_touched.data());
+  void paint_strip(int index, const float* limits, VisibleStrip& strip) {
+    const int strip_end = begin_[index + 1];
+    for (int at = begin_[index]; at < strip_end;) {
+      if (at < batch_begin_ || at >= batch_end_) flatten_from(at);
+      const int end = std::min(batch_end_, strip_end);
+      paint(pattern_->count, flat_.data(), flat_order_.data() + (at - batch_begin_),
+            static_cast<size_t>(end - at), pattern_->x.data(), pattern_->y.data(), strip.box,
+            limits, strip.nearness.data(), strip.ids.data(), strip.is_touched.data());
+      at = end;
+    }
+  }
+
+  // The strips that a triangle touches; none where `last` is before `first`.
+  struct Strips {
+    int first = 0, last = -1;
+  };
+
+  Strips strips_of(const ScreenTriangle& triangle) const {
+    const auto corners = mesh_->corners_of(triangle);
+    if (signed_area(corners) == 0) return {};
+    const PixelBox touched = touched_box(corners, box_);
+    if (touched.is_empty()) return {};
+    return {(touched.top - box_.top) / rows_, (touched.bottom - 1 - box_.top) / rows_};
   }
 
   // A counting sort; a triangle is in every strip that it touches.
   void sort_into_strips() {
     const int strips = (box_.height() + rows_ - 1) / rows_;
-    const auto first_strip = [&](const FlatTriangle& t) { return (t.top - box_.top) / rows_; };
-    const auto last_strip = [&](const FlatTriangle& t) { return (t.bottom - box_.top) / rows_; };
     begin_.assign(strips + 1, 0);
-    for (const FlatTriangle& t : triangles_) {
-      for (int s = first_strip(t); s <= last_strip(t); ++s) ++begin_[s + 1];
+    strips_.clear();
+    for (const ScreenTriangle& triangle : mesh_->triangles) {
+      strips_.push_back(strips_of(triangle));
+      for (int s = strips_.back().first; s <= strips_.back().last; ++s) ++begin_[s + 1];
     }
     for (int s = 0; s < strips; ++s) begin_[s + 1] += begin_[s];
     order_.resize(begin_.back());
     std::vector<int> fill(begin_.begin(), begin_.end() - 1);
-    for (size_t i = 0; i < triangles_.size(); ++i) {
-      const int last = last_strip(triangles_[i]);
-      for (int s = first_strip(triangles_[i]); s <= last; ++s) {
+    for (size_t i = 0; i < strips_.size(); ++i) {
+      for (int s = strips_[i].first; s <= strips_[i].last; ++s) {
         order_[fill[s]++] = static_cast<int>(i);
       }
     }
   }
 
-  std::vector<FlatTriangle> triangles_;
+  // Makes a batch of triangles ready, from that place of order_ on, each once: of millions all at
+  // once would be the largest thing in memory.
+  void flatten_from(int begin) {
+    constexpr int kMostFlat = 1 << 18;
+    batch_begin_ = begin;
+    batch_end_ = std::min(begin_.back(), begin + kMostFlat);
+    flat_.clear();
+    source_.clear();
+    flat_order_.clear();
+    flat_of_.resize(mesh_->triangles.size());
+    for (int at = batch_begin_; at < batch_end_; ++at) {
+      const int triangle = order_[at];
+      const auto known = static_cast<size_t>(flat_of_[triangle]);
+      if (known >= source_.size() || source_[known] != triangle) {
+        const ScreenTriangle& from = mesh_->triangles[triangle];
+        flat_of_[triangle] = static_cast<int>(flat_.size());
+        flat_.push_back(flattened(mesh_->corners_of(from), from.id, box_));
+        source_.push_back(triangle);
+      }
+      flat_order_.push_back(flat_of_[triangle]);
+    }
+  }
+
+  const ScreenMesh* mesh_ = nullptr;
   PixelBox box_;
   const SamplePattern* pattern_ = nullptr;
   int rows_ = 1;
   int next_ = 0;
-  std::vector<int> begin_;  // of each strip's triangles in order_, and the end
-  std::vector<int> order_;
-  std::vector<float> limits_;  // of what is painted behind
+  std::vector<Strips> strips_;           // of each triangle
+  std::vector<int> begin_;               // of each strip's triangles in order_, and the end
+  std::vector<int> order_;               // triangles of the mesh
+  int batch_begin_ = 0, batch_end_ = 0;  // what of order_ is ready
+  std::vector<FlatTriangle> flat_;       // the triangles there
+  std::vector<int> source_;              // of each in flat_ the triangle of the mesh
+  std::vector<int> flat_of_;             // of each triangle its place in flat_, if source_ agrees
+  std::vector<int> flat_order_;          // places in flat_, of what is ready of order_
+  std::vector<float> limits_;            // of what is painted behind
 };
 
 }  // namespace
 
-PixelBox touched_box(std::span<const ScreenTriangle> triangles, const PixelBox& box) {
-  double left = box.right, top = box.bottom, right = box.left - 1.0, bottom = box.top - 1.0;
-  for (const ScreenTriangle& triangle : triangles) {
-    const auto& [p, q, r] = triangle.corners;
-    left = std::min({left, p.x, q.x, r.x});
-    right = std::max({right, p.x, q.x, r.x});
-    top = std::min({top, p.y, q.y, r.y});
-    bottom = std::max({bottom, p.y, q.y, r.y});
-  }
-  // Pixel x reaches from x - 0.5 to x + 0.5. Cut before the cast: far points exceed an int.
-  const auto first = [](double x, int low, int high) {
-    return static_cast<int>(std::ceil(std::clamp<double>(x - 0.5, low, high)));
-  };
-  const auto end = [](double x, int low, int high) {
-    return static_cast<int>(std::floor(std::clamp<double>(x + 0.5, low - 1.0, high - 1.0))) + 1;
-  };
-  return {first(left, box.left, box.right), first(top, box.top, box.bottom),
-          end(right, box.left, box.right), end(bottom, box.top, box.bottom)};
+PixelBox touched_box(const ScreenMesh& mesh, const PixelBox& box) {
+  Extent extent(box);
+  for (const ScreenTriangle& triangle : mesh.triangles) extent.add(mesh.corners_of(triangle));
+  return extent.pixels();
+}
+
+PixelBox touched_box(const std::array<ScreenPoint, 3>& corners, const PixelBox& box) {
+  Extent extent(box);
+  extent.add(corners);
+  return extent.pixels();
 }
 
 std::unique_ptr<SamplePainter> make_own_painter() {

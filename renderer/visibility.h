@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -30,12 +30,30 @@ struct ScreenPoint {
 /// A triangle on the image plane, of either winding. Samples that see it get its id, which is not
 /// 0.
 struct ScreenTriangle {
-  ScreenPoint corners[3];
+  std::array<uint32_t, 3> corners{};  ///< indices into ScreenMesh::points
   uint32_t id = 0;
 };
 
+/// Triangles on the image plane. They share their corners, as those of a mesh do: of millions of
+/// them each corner would else be there six times.
+struct ScreenMesh {
+  std::vector<ScreenPoint> points;
+  std::vector<ScreenTriangle> triangles;
+
+  void clear() {
+    points.clear();
+    triangles.clear();
+  }
+  std::array<ScreenPoint, 3> corners_of(const ScreenTriangle& triangle) const {
+    const auto& [a, b, c] = triangle.corners;
+    return {points[a], points[b], points[c]};
+  }
+};
+
 /// The pixels that samples of the triangles may lie in, cut to `box`.
-PixelBox touched_box(std::span<const ScreenTriangle> triangles, const PixelBox& box);
+PixelBox touched_box(const ScreenMesh& mesh, const PixelBox& box);
+/// The same of one triangle.
+PixelBox touched_box(const std::array<ScreenPoint, 3>& corners, const PixelBox& box);
 
 /// Some rows of an image: what each sample sees. Samples of a pixel lie together, in the pattern's
 /// order.
@@ -55,9 +73,9 @@ struct VisibleStrip {
 class SamplePainter {
  public:
   virtual ~SamplePainter() = default;
-  /// Begins an image of `box`; the pattern must outlive it.
-  virtual void start(std::span<const ScreenTriangle> triangles, const PixelBox& box,
-                     const SamplePattern& pattern) = 0;
+  /// Begins an image of `box`, which ends with the last next() or paint_behind(): as long as that,
+  /// `mesh` and `pattern` must stay.
+  virtual void start(const ScreenMesh& mesh, const PixelBox& box, const SamplePattern& pattern) = 0;
   /// Paints the next rows, top to bottom; false when there are none left.
   virtual bool next(VisibleStrip& strip) = 0;
   /// Paints the rows of the last next() again: of each sample what lies behind `strip.nearness`,

@@ -15,6 +15,7 @@
 #include "scenes/files/input_error.h"
 #include "scenes/files/input_file.h"
 #include "scenes/files/toml_text.h"
+#include "scenes/target/target_memory.h"
 
 namespace sightline {
 namespace {
@@ -140,6 +141,7 @@ Study read_set_study(const std::string& source, const StudyOverrides& overrides,
     throw InputError(
         fmt::format("'{}' is neither a target nor a study{}", source, suggestion(source, names)));
   }
+  const TargetMemory memory;  // the scene is made for the mesh, and then reads it
   return read_scene_text(default_scene(source, use), path.stem().string() + " (default scene)",
                          overrides);
 }

@@ -178,7 +178,7 @@ void add_mesh(const Reading& reading, const aiMesh& mesh, const aiNode& node,
   std::string name = use_node ? node_name : mesh_name;
   if (name.empty()) name = fmt::format("part_{}", soup.parts.size());
   soup.parts.push_back(part_of(reading, mesh, std::move(name)));
-  const SoupTransform transform(file_from_node);
+  SoupTransform transform(file_from_node, mesh.mNumFaces, mesh.mNumVertices);
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     const aiFace& face = mesh.mFaces[i];
     if (face.mNumIndices != 3) continue;  // points and lines
@@ -186,6 +186,7 @@ void add_mesh(const Reading& reading, const aiMesh& mesh, const aiNode& node,
     triangle.part = static_cast<int>(soup.parts.size()) - 1;
     for (int corner = 0; corner < 3; ++corner) {
       const unsigned index = face.mIndices[corner];
+      triangle.vertex[corner] = static_cast<int>(index);
       triangle.corner[corner] = to_eigen(mesh.mVertices[index]);
       triangle.normal[corner] =
           mesh.HasNormals() ? to_eigen(mesh.mNormals[index]) : Eigen::Vector3d::Zero();

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <new>
@@ -13,6 +12,7 @@
 #include <poll.h>
 #include <signal.h>
 #include <sys/resource.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "scenes/files/child_process.h"
@@ -22,7 +22,6 @@
 namespace sightline {
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using Reader = std::function<MeshSoup(const std::filesystem::path&)>;
 
 // The child's message: one of these, then an encoded soup or a line of text.
@@ -93,21 +92,32 @@ int read_in_confinement(int pipe, const std::filesystem::path& file, const Reade
   return 0;
 }
 
-// The child's pipe, until it closes it or its time is over.
+// The processor time that a process has used.
+double work_s(pid_t process) {
+  clockid_t clock{};
+  timespec used{};
+  if (clock_getcpuclockid(process, &clock) != 0 || clock_gettime(clock, &used) != 0) return 0;
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
+// The child's pipe, until it closes it or has been waited for too long.
 class Listener {
  public:
-  Listener(int pipe, const ReaderLimits& limits)
-      : pipe_(pipe), deadline_(Clock::now() + std::chrono::seconds(limits.wall_s)) {}
+  Listener(const ChildProcess& child, const ReaderLimits& limits)
+      : child_(child), limits_(limits) {}
 
   size_t next(char* to, size_t most) {
+    // Waits are added up, not read off a clock, which goes on while both processes are stopped.
+    constexpr int kWaitMs = 100;
     while (true) {
-      const auto left =
-          std::chrono::duration_cast<std::chrono::milliseconds>(deadline_ - Clock::now()).count();
-      is_late_ = left <= 0;
+      const double most_s = limits_.idle_s + kWaitPerWork * work_s(child_.process);
+      is_late_ = waited_ms_ >= 1000 * most_s;
       if (is_late_) return 0;
-      pollfd waiting{.fd = pipe_, .events = POLLIN, .revents = 0};
-      if (poll(&waiting, 1, static_cast<int>(left)) <= 0) continue;
-      const ssize_t size = read(pipe_, to, most);
+      pollfd waiting{.fd = child_.pipe, .events = POLLIN, .revents = 0};
+      const int ready = poll(&waiting, 1, kWaitMs);
+      if (ready == 0) waited_ms_ += kWaitMs;
+      if (ready <= 0) continue;
+      const ssize_t size = read(child_.pipe, to, most);
       if (size < 0 && errno == EINTR) continue;
       return size <= 0 ? 0 : static_cast<size_t>(size);
     }
@@ -116,8 +126,9 @@ class Listener {
   bool is_late() const { return is_late_; }
 
  private:
-  int pipe_;
-  Clock::time_point deadline_;
+  const ChildProcess& child_;
+  const ReaderLimits& limits_;
+  int64_t waited_ms_ = 0;
   bool is_late_ = false;
 };
 
@@ -133,7 +144,7 @@ struct Outcome {
 Outcome listen(const ChildProcess& child, const std::filesystem::path& file,
                const ReaderLimits& limits) {
   Outcome outcome;
-  Listener listener(child.pipe, limits);
+  Listener listener(child, limits);
   const ByteSource source = [&](char* to, size_t most) { return listener.next(to, most); };
   if (source(&outcome.kind, 1) == 1 && outcome.kind == kSoup) {
     try {
@@ -159,9 +170,12 @@ Outcome listen(const ChildProcess& child, const std::filesystem::path& file,
 // Why the child's message cannot be used; empty when it can.
 std::string why_unusable(const Outcome& outcome, const ReaderLimits& limits) {
   const int signal = outcome.end.signal;
-  if (outcome.is_late || signal == SIGXCPU) {
-    return fmt::format("broken, or too large: reading it takes more than {} s",
-                       outcome.is_late ? limits.wall_s : limits.cpu_s);
+  if (outcome.is_late) {
+    return fmt::format("its reader has stood still for {} s", limits.idle_s);
+  }
+  if (signal == SIGXCPU) {
+    return fmt::format("broken, or too large: reading it takes more than {} s of processor time",
+                       limits.cpu_s);
   }
   if (signal == SIGPIPE) return "";  // we had heard enough
   if (signal == SIGKILL) return "its reader was killed, perhaps for want of memory";
@@ -194,7 +208,7 @@ ReaderLimits limits_for(uint64_t file_bytes) {
   const int cpu_s = static_cast<int>(std::min<uint64_t>(2 + mebibytes, most.cpu_s));
   return {.memory_bytes = std::min(memory_bytes, most.memory_bytes),
           .cpu_s = cpu_s,
-          .wall_s = 60 + 2 * cpu_s};
+          .idle_s = 60 + 2 * cpu_s};
 }
 
 MeshSoup read_in_child(const std::filesystem::path& file, const Reader& reader,

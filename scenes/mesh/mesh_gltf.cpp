@@ -145,7 +145,8 @@ class Reader {
         {part_name(primitive, node), albedo_of(primitive), material_of(primitive, coats)});
     std::vector<SoupTransform> transforms;
     for (const Eigen::Matrix4d& copy : copies) {
-      transforms.emplace_back(shape.is_skinned() ? copy : Eigen::Matrix4d(file_from_node * copy));
+      transforms.emplace_back(shape.is_skinned() ? copy : Eigen::Matrix4d(file_from_node * copy),
+                              triangle_count, shape.vertex_count());
     }
     for (size_t i = 0; i < triangle_count; ++i) {
       SoupTriangle triangle;
@@ -154,11 +155,12 @@ class Reader {
       for (int c = 0; c < 3; ++c) {
         const size_t vertex = indices ? indices->index(corners[c]) : corners[c];
         if (vertex >= shape.vertex_count()) fail_gltf(file_, "an index is out of range");
+        triangle.vertex[c] = static_cast<int>(vertex);
         triangle.corner[c] = shape.position(vertex);
         triangle.normal[c] = shape.normal(vertex);
         coats.read(vertex, c, triangle.coat);
       }
-      for (const SoupTransform& transform : transforms) transform.add(soup_, triangle);
+      for (SoupTransform& transform : transforms) transform.add(soup_, triangle);
     }
   }
 

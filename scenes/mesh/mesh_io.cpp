@@ -85,27 +85,26 @@ void turn_normals_outward(Mesh& mesh) {
   }
 }
 
-// The triangles that have been kept, each once, whichever corner it begins with. (An open table of
-// their numbers, as PointTable has.)
+// The triangles that have been kept, each once, whichever corner it begins with. Neighbours, which
+// files tell one after the other, lie near each other in memory too: a triangle's slot goes by the
+// sum of its corners and, that many alike do not share one, a little by chance.
 class KeptTriangles {
  public:
-  explicit KeptTriangles(size_t most) : slots_(std::bit_ceil(2 * most + 1), 0) {}
+  KeptTriangles(size_t most, size_t vertices)
+      : slots_(std::bit_ceil(most + 1), -1),
+        slots_a_step_(std::max<uint64_t>(1, slots_.size() / (3 * vertices + 1))) {
+    before_.reserve(most);
+  }
 
   // False when the last of the list has the corners of one that was added before.
   bool add_last(const std::vector<Triangle>& triangles) {
     const std::array<int, 3> corners = sorted(triangles.back());
-    uint64_t hash = 0;
-    for (const int corner : corners) {
-      hash = (hash ^ static_cast<uint64_t>(corner)) * 0x9e3779b97f4a7c15ULL;
-      hash ^= hash >> 32;
+    int& slot = slots_[slot_of(corners)];
+    for (int at = slot; at >= 0; at = before_[at]) {
+      if (sorted(triangles[at]) == corners) return false;
     }
-    const size_t mask = slots_.size() - 1;
-    size_t at = hash & mask;
-    while (slots_[at] != 0) {
-      if (sorted(triangles[slots_[at] - 1]) == corners) return false;
-      at = (at + 1) & mask;
-    }
-    slots_[at] = static_cast<int>(triangles.size());
+    before_.push_back(slot);
+    slot = static_cast<int>(triangles.size()) - 1;
     return true;
   }
 
@@ -116,7 +115,22 @@ class KeptTriangles {
     return corners;
   }
 
-  std::vector<int> slots_;
+  size_t slot_of(const std::array<int, 3>& corners) const {
+    constexpr uint64_t kStepsByChance = 1024;
+    uint64_t sum = 0;
+    uint64_t hash = 0;
+    for (const int corner : corners) {
+      sum += static_cast<uint64_t>(corner);
+      hash = (hash ^ static_cast<uint64_t>(corner)) * 0x9e3779b97f4a7c15ULL;
+      hash ^= hash >> 32;
+    }
+    const uint64_t slot = slots_a_step_ * sum + hash % (slots_a_step_ * kStepsByChance);
+    return slot & (slots_.size() - 1);
+  }
+
+  std::vector<int> slots_;   // the last triangle of each, or -1; a power of two of them
+  std::vector<int> before_;  // of every triangle the one before it in its slot, or -1
+  uint64_t slots_a_step_;    // of the sum
 };
 
 // The shape of a soup, without what is no triangle.
@@ -134,7 +148,7 @@ LoadedMesh weld(MeshSoup& soup) {
   mesh.vertices = std::move(welder.vertices);
   cleaning.welded_vertices = static_cast<int>(3 * soup.triangles.size() - mesh.vertices.size());
 
-  KeptTriangles kept(soup.triangles.size());
+  KeptTriangles kept(soup.triangles.size(), mesh.vertices.size());
   mesh.triangles.reserve(soup.triangles.size());
   for (size_t i = 0; i < soup.triangles.size(); ++i) {
     const SoupFace& face = soup.triangles[i];
@@ -153,7 +167,7 @@ LoadedMesh weld(MeshSoup& soup) {
     }
     if (soup.has_coats) mesh.coats.push_back(i < soup.coats.size() ? soup.coats[i] : Coat{});
   }
-  turn_normals_outward(mesh);
+  if (!soup.normals.empty()) turn_normals_outward(mesh);
   add_missing_normals(mesh, kDefaultCreaseAngleRad);
   return loaded;
 }

@@ -386,8 +386,10 @@ std::array<Eigen::Vector3d, 3> no_normals() {
   return {none, none, none};
 }
 
-SoupTransform::SoupTransform(const Eigen::Matrix4d& file_from_mesh)
-    : linear_(file_from_mesh.topLeftCorner<3, 3>()),
+SoupTransform::SoupTransform(const Eigen::Matrix4d& file_from_mesh, size_t triangles,
+                             size_t vertices)
+    : numbers_(vertices < 3 * triangles ? vertices : 0, -1),
+      linear_(file_from_mesh.topLeftCorner<3, 3>()),
       offset_(file_from_mesh.topRightCorner<3, 1>()),
       is_mirroring_(linear_.determinant() < 0) {
   cofactors_.col(0) = linear_.col(1).cross(linear_.col(2));
@@ -396,16 +398,28 @@ SoupTransform::SoupTransform(const Eigen::Matrix4d& file_from_mesh)
   if (is_mirroring_) cofactors_ = -cofactors_;
 }
 
-void SoupTransform::add(MeshSoup& soup, const SoupTriangle& triangle) const {
+int SoupTransform::number_of(const SoupTriangle& triangle, int corner, MeshSoup& soup) {
+  const int vertex = triangle.vertex[corner];
+  const bool is_kept = vertex >= 0 && static_cast<size_t>(vertex) < numbers_.size();
+  if (is_kept && numbers_[vertex] >= 0) return numbers_[vertex];
+  const int number =
+      soup.numbers.index_of(linear_ * triangle.corner[corner] + offset_, soup.points);
+  if (is_kept) numbers_[vertex] = number;
+  return number;
+}
+
+void SoupTransform::add(MeshSoup& soup, const SoupTriangle& triangle) {
   SoupFace face{.part = triangle.part};
   std::array<Eigen::Vector3d, 3> normal;
   Coat coat;
   bool has_normal = false;
   for (int i = 0; i < 3; ++i) {
     const int from = is_mirroring_ ? 2 - i : i;
-    face.point[i] = soup.numbers.index_of(linear_ * triangle.corner[from] + offset_, soup.points);
+    face.point[i] = number_of(triangle, from, soup);
     coat.uv[i] = triangle.coat.uv[from];
     coat.colour[i] = triangle.coat.colour[from];
+    normal[i].setZero();
+    if (triangle.normal[from].isZero(0)) continue;
     normal[i] = (cofactors_ * triangle.normal[from]).stableNormalized();
     if (!normal[i].allFinite()) normal[i].setZero();
     has_normal = has_normal || !normal[i].isZero(0);

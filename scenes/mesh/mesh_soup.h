@@ -23,6 +23,8 @@ struct SoupTriangle {
   std::array<Eigen::Vector3d, 3> normal;  ///< unit, or zero where the file has none
   int part = 0;
   Coat coat = {};  ///< means something where the soup has coats
+  /// Of the corners, the places in the file's list of vertices; -1: there is none.
+  std::array<int, 3> vertex{-1, -1, -1};
 };
 
 /// A triangle as a soup has it.
@@ -52,7 +54,7 @@ struct MeshSoup {
   PointTable numbers = {};                      ///< of the points, while triangles are added
 };
 
-constexpr size_t kMaxTriangles = 12'000'000;  ///< 10 million take 4 GB: the child and the program
+constexpr size_t kMaxTriangles = 12'000'000;  ///< 10 million take 2 GB, the child and the program
 constexpr size_t kMaxParts = 65535;           ///< ids of parts have 16 bits, 0 is background
 constexpr double kSmallestUnitM = 1e-6;
 constexpr double kLargestUnitM = 1e6;
@@ -72,12 +74,19 @@ MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& fi
 /// winding so that it stays counter-clockwise from outside.
 class SoupTransform {
  public:
-  explicit SoupTransform(const Eigen::Matrix4d& file_from_mesh);
+  /// For a mesh of so many triangles over a list of so many vertices.
+  SoupTransform(const Eigen::Matrix4d& file_from_mesh, size_t triangles, size_t vertices);
 
-  /// Adds a triangle whose corners and normals are carried.
-  void add(MeshSoup& soup, const SoupTriangle& triangle) const;
+  /// Adds a triangle whose corners and normals are carried. All are of the same list of vertices,
+  /// and all for the same soup.
+  void add(MeshSoup& soup, const SoupTriangle& triangle);
 
  private:
+  int number_of(const SoupTriangle& triangle, int corner, MeshSoup& soup);
+
+  // Of each vertex the number of its point, -1 where no triangle had it: most come six times.
+  // Empty where few come again.
+  std::vector<int> numbers_;
   Eigen::Matrix3d linear_;
   Eigen::Vector3d offset_;
   Eigen::Matrix3d cofactors_;  // these carry normals, also by singular and mirroring transforms
@@ -113,11 +122,16 @@ LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::p
 struct ReaderLimits {
   uint64_t memory_bytes = uint64_t{4} << 30;  ///< beyond what the calling process has mapped
   int cpu_s = 120;
-  int wall_s = 300;
+  /// How long it may be waited for. A reader that works, if slowly since other programs have the
+  /// processors, gets more: kWaitPerWork seconds for each of its processor time.
+  int idle_s = 300;
 };
 
+constexpr int kWaitPerWork = 30;  ///< so slow is a reader beside thirty other programs
+
 /// Limits that no honest file of this size comes near, and a broken one meets soon: 512 MiB and 64
-/// times the file, at most 4 GiB; 2 s and 1 s for each MiB, at most 120 s.
+/// times the file, at most 4 GiB; 2 s of processor time and 1 s for each MiB, at most 120 s; waited
+/// for is 60 s and twice that.
 ReaderLimits limits_for(uint64_t file_bytes);
 
 /// Runs a reader in a child process and returns its soup: what crashes, hangs or devours memory in

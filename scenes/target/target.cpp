@@ -13,6 +13,7 @@
 #include "scenes/files/input_error.h"
 #include "scenes/files/toml_table.h"
 #include "scenes/mesh/decimation.h"
+#include "scenes/target/target_memory.h"
 
 namespace sightline {
 namespace {
@@ -178,6 +179,42 @@ std::shared_ptr<const Target> make_keypoints(const TomlTable& table, std::string
   return make_target(std::move(name), std::move(description), std::move(none), std::move(features));
 }
 
+std::shared_ptr<const Target> read_target_file(const std::string& name_or_path,
+                                               const std::filesystem::path& file,
+                                               const MeshUse& use) {
+  if (file.extension() != ".toml") {
+    LoadedMesh loaded = read_mesh(file, frame_of(use));
+    take_mesh(use, true, file, loaded.mesh);
+    take_near_origin(loaded.mesh);
+    return make_target(file.stem(), "", std::move(loaded), {});
+  }
+  if (use.says_frame()) {
+    throw InputError(fmt::format(
+        "{}: a unit and axes (--unit, --forward, --up) are for mesh files; a target says itself "
+        "how its mesh lies",
+        name_or_path));
+  }
+  const TomlTable table = TomlTable::read_file(file);
+  const std::string name = table.text("name");
+  const std::string description = table.text("description", "");
+  const bool has_mesh = table.has("mesh");
+  std::vector<TargetFeature> features = read_features(table, has_mesh);
+  if (!has_mesh) {
+    table.reject_unknown_keys();
+    return make_keypoints(table, name, description, std::move(features));
+  }
+  const TomlTable mesh = table.table("mesh");
+  const std::filesystem::path mesh_file = file.parent_path() / mesh.text("file");
+  const MeshFrame mesh_frame = read_frame(mesh);
+  table.reject_unknown_keys();
+  LoadedMesh loaded = read_mesh(mesh_file, mesh_frame);
+  take_mesh(use, false, mesh_file, loaded.mesh);
+  check_parts(table, loaded.mesh);
+  const auto target = make_target(name, description, std::move(loaded), std::move(features));
+  require_on_mesh(table, *target);
+  return target;
+}
+
 }  // namespace
 
 std::string why_not_renderable(const Target& target) {
@@ -215,37 +252,7 @@ std::shared_ptr<const Target> decimated(const std::shared_ptr<const Target>& tar
 
 std::shared_ptr<const Target> load_target(const std::string& name_or_path, const MeshUse& use) {
   const std::filesystem::path file = find_target_file(name_or_path);
-  if (file.extension() != ".toml") {
-    LoadedMesh loaded = read_mesh(file, frame_of(use));
-    take_mesh(use, true, file, loaded.mesh);
-    take_near_origin(loaded.mesh);
-    return make_target(file.stem(), "", std::move(loaded), {});
-  }
-  if (use.says_frame()) {
-    throw InputError(fmt::format(
-        "{}: a unit and axes (--unit, --forward, --up) are for mesh files; a target says itself "
-        "how its mesh lies",
-        name_or_path));
-  }
-  const TomlTable table = TomlTable::read_file(file);
-  const std::string name = table.text("name");
-  const std::string description = table.text("description", "");
-  const bool has_mesh = table.has("mesh");
-  std::vector<TargetFeature> features = read_features(table, has_mesh);
-  if (!has_mesh) {
-    table.reject_unknown_keys();
-    return make_keypoints(table, name, description, std::move(features));
-  }
-  const TomlTable mesh = table.table("mesh");
-  const std::filesystem::path mesh_file = file.parent_path() / mesh.text("file");
-  const MeshFrame mesh_frame = read_frame(mesh);
-  table.reject_unknown_keys();
-  LoadedMesh loaded = read_mesh(mesh_file, mesh_frame);
-  take_mesh(use, false, mesh_file, loaded.mesh);
-  check_parts(table, loaded.mesh);
-  const auto target = make_target(name, description, std::move(loaded), std::move(features));
-  require_on_mesh(table, *target);
-  return target;
+  return TargetMemory::get(file, use, [&] { return read_target_file(name_or_path, file, use); });
 }
 
 }  // namespace sightline

@@ -14,8 +14,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "renderer/edge_errors.h"
+#include "renderer/visibility.h"
 #include "scenes/builders/cube.h"
 #include "scenes/files/input_error.h"
+#include "scenes/random/random.h"
 #include "tests/renderer/scenes_for_tests.h"
 
 namespace sightline {
@@ -238,8 +240,7 @@ TEST(Renderer, SaysWhyASceneCannotBeImaged) {
   Renderer renderer;
   EXPECT_THROW(renderer.render_linear(coverage_scene(build_cube().mesh, at(0, 0, -60))),
                InputError);
-  EXPECT_THROW(renderer.render_linear(coverage_scene(build_cube().mesh, at(0, 0, -2))),
-               InputError);
+  EXPECT_THROW(renderer.render_linear(coverage_scene(build_cube().mesh, at(0, 0, -2))), InputError);
   EXPECT_THROW(renderer.render_linear(coverage_scene(build_cube().mesh, at(50, 0, 60))),
                InputError);
   Scene scene = coverage_scene(build_cube().mesh, at(0, 0, 60));
@@ -252,6 +253,63 @@ TEST(Renderer, ATargetPartlyOutsideTheImageIsDrawnInPart) {
   const Frame frame = Renderer().render(scene, RandomStream(1, "sensor", 0));
   EXPECT_EQ(frame.truth.target().visible_box.br().x, 512);
   EXPECT_GT(frame.truth.target().visible_pixels, 0);
+}
+
+// Triangles that lie about at random, `count` of them from that one on.
+ScreenMesh scattered(int first, int count) {
+  ScreenMesh mesh;
+  RandomStream stream(1, "triangles", 0);
+  for (int i = 0; i < first + count; ++i) {
+    const double x = stream.uniform(0, 64), y = stream.uniform(0, 64), nearness = stream.uniform();
+    if (i < first) continue;
+    const auto corner = static_cast<uint32_t>(mesh.points.size());
+    mesh.points.insert(
+        mesh.points.end(),
+        {{x, y, nearness}, {x + 0.8, y + 0.1, nearness}, {x + 0.1, y + 0.9, nearness}});
+    mesh.triangles.push_back({{corner, corner + 1, corner + 2}, static_cast<uint32_t>(i + 1)});
+  }
+  return mesh;
+}
+
+// What every sample of a canvas sees, row by row; 0 is nothing.
+struct Seen {
+  std::vector<uint32_t> ids;
+  std::vector<float> nearness;
+};
+
+Seen seen_of(const ScreenMesh& mesh, const SamplePattern& pattern) {
+  Seen seen;
+  const std::unique_ptr<SamplePainter> painter = make_own_painter();
+  VisibleStrip strip;
+  painter->start(mesh, {0, 0, 64, 64}, pattern);
+  while (painter->next(strip)) {
+    for (size_t pixel = 0; pixel < strip.is_touched.size(); ++pixel) {
+      for (size_t k = 0; k < static_cast<size_t>(pattern.count); ++k) {
+        const size_t at = pixel * static_cast<size_t>(pattern.count) + k;
+        seen.ids.push_back(strip.is_touched[pixel] ? strip.ids[at] : 0);
+        seen.nearness.push_back(seen.ids.back() != 0 ? strip.nearness[at] : -1);
+      }
+    }
+  }
+  return seen;
+}
+
+// Hundreds of thousands are made ready in batches: what is seen of them is what is nearer of two
+// halves that fit into one.
+TEST(Painter, SeesManyTrianglesAsItSeesFew) {
+  constexpr int kHalf = 200'000;
+  const SamplePattern& pattern = sample_pattern(16);
+  const Seen all = seen_of(scattered(0, 2 * kHalf), pattern);
+  const Seen first = seen_of(scattered(0, kHalf), pattern);
+  const Seen second = seen_of(scattered(kHalf, kHalf), pattern);
+  int of_first = 0, of_second = 0, wrong = 0;
+  for (size_t i = 0; i < all.ids.size(); ++i) {
+    const bool is_second = second.nearness[i] > first.nearness[i];
+    ++(is_second ? of_second : of_first);
+    wrong += all.ids[i] != (is_second ? second : first).ids[i] ? 1 : 0;
+  }
+  EXPECT_EQ(wrong, 0);
+  EXPECT_GT(std::min(of_first, of_second), 16 * 64 * 64 / 4);  // either half alone would be wrong
 }
 
 }  // namespace

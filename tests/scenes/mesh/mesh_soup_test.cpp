@@ -4,6 +4,7 @@
 
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <iostream>
 #include <limits>
 
@@ -92,7 +93,7 @@ TEST(MeshSoup, TheDecoderTrustsNothing) {
 MeshSoup strip_of(int triangles, const Eigen::Vector3d& normal) {
   MeshSoup soup;
   soup.parts = {{"strip"}};
-  const SoupTransform as_it_is(Eigen::Matrix4d::Identity());
+  SoupTransform as_it_is(Eigen::Matrix4d::Identity(), static_cast<size_t>(triangles), 0);
   for (int i = 0; i < triangles; ++i) {
     const auto corner = [i](int k) { return Eigen::Vector3d((i + k) / 2, (i + k) % 2, 0); };
     as_it_is.add(soup, {.corner = {corner(0), corner(1 + i % 2), corner(2 - i % 2)},
@@ -107,6 +108,30 @@ TEST(MeshSoup, APointIsThereOnce) {
   EXPECT_EQ(soup.triangles.back().point, (std::array<int, 3>{999, 1001, 1000}));
   EXPECT_TRUE(soup.normals.empty());
   EXPECT_EQ(strip_of(3, Eigen::Vector3d::UnitZ()).normals.size(), 3u);
+}
+
+// A vertex that comes again is known by its place, and lies where it lay; one elsewhere in the list
+// with the same coordinates is the same point.
+TEST(MeshSoup, VerticesOfAListAreCarriedOnce) {
+  const std::vector<Eigen::Vector3d> list = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0}};
+  const std::vector<std::array<int, 3>> triangles = {{0, 1, 2}, {2, 3, 0}, {4, 2, 3}};
+  Eigen::Matrix4d mirrored = Eigen::Matrix4d::Identity();
+  mirrored(0, 0) = -2;
+  const auto soup_of = [&](size_t vertices) {
+    MeshSoup soup;
+    soup.parts = {{"square"}};
+    SoupTransform transform(mirrored, triangles.size(), vertices);
+    for (const auto& [a, b, c] : triangles) {
+      transform.add(
+          soup,
+          {.corner = {list[a], list[b], list[c]}, .normal = no_normals(), .vertex = {a, b, c}});
+    }
+    return soup;
+  };
+  const MeshSoup soup = soup_of(list.size());
+  EXPECT_EQ(encode(soup), encode(soup_of(0)));  // each looked for by its coordinates
+  EXPECT_EQ(soup.points.size(), 4u);
+  EXPECT_EQ(soup.points[soup.triangles[2].point[2]], Eigen::Vector3d(-2, 0, 0));
 }
 
 TEST(MeshSoup, ALargeOneCrossesInPieces) {
@@ -207,13 +232,25 @@ TEST_F(ReadInChild, ACrashIsOneLine) {
 }
 
 TEST_F(ReadInChild, AReaderThatHangsIsEnded) {
-  EXPECT_THAT(error_of_reader([] { pause(); }, {.wall_s = 1}), HasSubstr("more than 1 s"));
+  EXPECT_THAT(error_of_reader([] { pause(); }, {.idle_s = 1}), HasSubstr("stood still for 1 s"));
   const auto spin = [] {
     volatile bool is_done = false;
     while (!is_done) {
     }
   };
   EXPECT_THAT(error_of_reader(spin, {.cpu_s = 1}), HasSubstr("more than 1 s"));
+}
+
+TEST_F(ReadInChild, AReaderThatWorksIsWaitedForLonger) {
+  const auto work_and_wait = [](const std::filesystem::path&) {
+    const std::clock_t begin = std::clock();
+    while (std::clock() - begin < CLOCKS_PER_SEC / 10) {
+    }
+    usleep(1'500'000);  // as if other programs had the processors
+    return one_triangle();
+  };
+  const MeshSoup soup = read_in_child(kFile, work_and_wait, {.idle_s = 1});
+  EXPECT_EQ(soup.triangles.size(), 1u);
 }
 
 TEST_F(ReadInChild, AReaderThatDevoursMemoryIsEnded) {

@@ -8,6 +8,7 @@
 #include "scenes/builders/cube.h"
 #include "scenes/files/assets.h"
 #include "scenes/files/input_error.h"
+#include "scenes/target/target_memory.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
@@ -134,6 +135,27 @@ TEST(Targets, ACubeHidesItsFarVertex) {
     EXPECT_EQ(feature.position_m, Eigen::Vector3d(0.5, 0.5, 0.5)) << feature.name;
   }
   EXPECT_EQ(hidden, 1);
+}
+
+TEST_F(TargetFile, IsReadOnceWhileItIsRemembered) {
+  const std::string mesh = (folder_.path() / "cube.glb").string();
+  const std::string roundabout = (folder_.path() / "." / "cube.glb").string();
+  const MeshUse in_feet{.forward = "", .up = "", .unit = "ft"};
+  const auto before = load_target(mesh);
+  std::shared_ptr<const Target> first;
+  {
+    const TargetMemory memory;
+    {
+      const TargetMemory inner;
+      first = load_target(mesh);
+    }
+    EXPECT_EQ(load_target(roundabout), first);
+    EXPECT_NE(load_target(mesh, in_feet), first);
+    EXPECT_EQ(load_target(mesh, in_feet), load_target(mesh, in_feet));
+    EXPECT_THAT(error_of([&] { load_target("none.glb"); }), HasSubstr("none.glb"));
+  }
+  EXPECT_NE(first, before);
+  EXPECT_NE(load_target(mesh), first);
 }
 
 }  // namespace

@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: 2026 The Sightline authors
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "scenes/target/target_memory.h"
+
+#include <filesystem>
+
+namespace sightline {
+namespace {
+
+thread_local TargetMemory* current_memory = nullptr;
+
+}  // namespace
+
+TargetMemory::TargetMemory() {
+  if (current_memory == nullptr) current_memory = this;
+}
+
+TargetMemory::~TargetMemory() {
+  if (current_memory == this) current_memory = nullptr;
+}
+
+std::shared_ptr<const Target> TargetMemory::get(const std::filesystem::path& file,
+                                                const MeshUse& use, const Loader& load) {
+  if (current_memory == nullptr) return load();
+  const std::string path = std::filesystem::absolute(file).lexically_normal().string();
+  const Key key(path, use.forward, use.up, use.unit, use.hidden);
+  auto& known = current_memory->known_;
+  const auto found = known.find(key);
+  if (found != known.end()) return found->second;
+  const std::shared_ptr<const Target> target = load();
+  known.emplace(key, target);
+  return target;
+}
+
+}  // namespace sightline
