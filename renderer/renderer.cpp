@@ -304,17 +304,18 @@ struct Renderer::Impl {
 
   // The light of a scene, as its channels are drawn.
   cv::Mat averaged(const Scene& scene) {
-    const std::vector<View> views = views_of(scene);
+    const int views = view_count(scene);
     const cv::Mat background = background_of(scene);
     const bool moves_background = scene.optics.has_aperture() && shows_environment(scene);
     colours.skies.turn_to(scene);
     cv::Mat sum;
-    for (const View& view : views) {
+    for (int i = 0; i < views; ++i) {
+      const View view = view_at(scene, i);
       cv::Mat image = moves_background ? background_of(view.scene) : background.clone();
       draw(view.scene, view.cam_from_target, image);
       add_rows(view, scene, image, sum);
     }
-    return views.size() == 1 || is_rolling(scene) ? sum : sum / static_cast<double>(views.size());
+    return views == 1 || is_rolling(scene) ? sum : sum / views;
   }
 
   cv::Mat linear(const Scene& scene) {

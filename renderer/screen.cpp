@@ -195,7 +195,8 @@ void Screen::append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_
                     ScreenMesh& out) const {
   const bool is_bent = !is_straight(camera_);
   const auto first = static_cast<uint32_t>(out.points.size());
-  out.points.reserve(out.points.size() + mesh.vertices.size());
+  // Of the first body alone: to reserve for each would copy all before it each time.
+  if (out.points.empty()) out.points.reserve(mesh.vertices.size());
   std::vector<LensPoint> bent;
   if (is_bent) bent.reserve(mesh.vertices.size());
   double nearest = std::numeric_limits<double>::infinity();
@@ -216,7 +217,7 @@ void Screen::append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_
   if (!(farthest > 0)) return;  // all of it is behind the camera
   const double near_m = kNearFraction * farthest;
   const bool is_in_front = nearest >= near_m;
-  out.triangles.reserve(out.triangles.size() + mesh.triangles.size());
+  if (out.triangles.empty()) out.triangles.reserve(mesh.triangles.size());
   uint32_t id = first_id;
   for (const Triangle& triangle : mesh.triangles) {
     const auto [a, b, c] = triangle.vertex;

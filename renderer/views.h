@@ -4,8 +4,6 @@
 // What a picture is averaged of: moments of the exposure, and places in the lens's opening.
 #pragma once
 
-#include <vector>
-
 #include "pose/camera.h"
 #include "scenes/scene/scene.h"
 
@@ -21,9 +19,12 @@ struct View {
 /// Whether rows are exposed at different moments that make a difference.
 bool is_rolling(const Scene& scene);
 
-/// The views of a scene, which share all moments in which some row is exposed evenly among them;
-/// one alone of a scene that is still and seen by a pinhole.
-std::vector<View> views_of(const Scene& scene);
+/// How many views a scene has, which share all moments in which some row is exposed evenly among
+/// them; one of a scene that is still and seen by a pinhole.
+int view_count(const Scene& scene);
+
+/// One of them, from 0. An opening needs optics.focus_m above 0.
+View view_at(const Scene& scene, int index);
 
 /// The share that a view has of a row of an image of so many rows, of a rolling shutter: rows are
 /// read one after the other during motion.readout exposures, and each is exposed for one. The

@@ -76,7 +76,7 @@ const Rooms kScenesRooms = {
     {"scene", {"camera", "files", "mesh", "picture", "random", "target"}},
     {"target", {"files", "mesh"}},
     {"mesh", {"files", "picture"}},
-    {"picture", {}},
+    {"picture", {"files"}},
     {"random", {}},
     {"files", {}},
 };

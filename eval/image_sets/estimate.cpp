@@ -186,16 +186,21 @@ Json json_of(const SetEstimate& estimate, const SetPlan& plan) {
                {"scenes_reach_m", farthest_m(plan.images())},
                {"sampled_images", estimate.sampled},
                {"jobs", estimate.jobs}};
-  if (estimate.sampled == 0) return json;
-  json["image"] = {{"render_ms", estimate.render_ms},
-                   {"encode_ms", estimate.encode_ms},
-                   {"files", estimate.image_files},
-                   {"bytes", estimate.image_bytes}};
-  json["seconds"] = estimate.seconds;
-  json["files"] = estimate.files;
-  json["bytes"] = estimate.bytes;
-  json["disk_bytes"] = estimate.disk_bytes;
-  json["free_bytes"] = estimate.free_bytes ? Json(*estimate.free_bytes) : Json(nullptr);
+  const bool is_known = estimate.sampled > 0;
+  const auto number = [is_known](double value) { return is_known ? Json(value) : Json(nullptr); };
+  const auto whole = [is_known](double value) {
+    return is_known ? Json(std::llround(value)) : Json(nullptr);
+  };
+  json["image"] = {{"render_ms", number(estimate.render_ms)},
+                   {"encode_ms", number(estimate.encode_ms)},
+                   {"files", number(estimate.image_files)},
+                   {"bytes", number(estimate.image_bytes)}};
+  json["seconds"] = number(estimate.seconds);
+  json["files"] = whole(estimate.files);
+  json["bytes"] = whole(estimate.bytes);
+  json["disk_bytes"] = whole(estimate.disk_bytes);
+  json["free_bytes"] =
+      estimate.free_bytes ? Json(std::llround(*estimate.free_bytes)) : Json(nullptr);
   return json;
 }
 

@@ -289,10 +289,10 @@ std::vector<std::string> truth_file_paths(const SetPlan& plan, int64_t index) {
 std::optional<Json> read_truth(const fs::path& folder, const SetPlan& plan, int64_t index) {
   const fs::path file = folder / truth_path(plan, index);
   try {
-    Json truth = read_json(file);
-    if (!truth.is_object() || truth_text(truth) != bytes_of_file(file, kMostInputBytes)) {
-      return std::nullopt;
-    }
+    const std::optional<std::string> text = bytes_of_file(file, kMostInputBytes);
+    if (!text) return std::nullopt;
+    Json truth = parse_json(*text, file.string());
+    if (!truth.is_object() || truth_text(truth) != *text) return std::nullopt;
     return truth;
   } catch (const InputError&) {
     return std::nullopt;

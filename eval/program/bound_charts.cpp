@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <sstream>
@@ -25,8 +27,8 @@ std::optional<double> middle_of(const std::string& range) {
   std::istringstream in(range);
   char open = 0, comma = 0, close = 0;
   double low = 0, high = 0;
-  if (!(in >> open >> low >> comma >> high >> close)) return std::nullopt;
-  if (open != '[' || comma != ',' || close != ']') return std::nullopt;
+  if (!(in >> open >> low >> comma >> high >> close) || in.peek() != EOF) return std::nullopt;
+  if (open != '[' || comma != ',' || close != ']' || low > high) return std::nullopt;
   return (low + high) / 2;
 }
 
@@ -59,6 +61,9 @@ BoundPlaces places_of(std::span<const Condition> conditions) {
   if (places.x.size() == conditions.size()) {
     places.axis.label = key;
     choose_scale(places.axis, places.x);
+    // An end for all that is on it: a power of ten may lie far below.
+    if (places.axis.is_log) places.axis.low = std::numeric_limits<double>::quiet_NaN();
+    if (places.axis.is_log && *std::ranges::min_element(places.x) <= 0) places.axis.is_log = false;
     std::stable_sort(places.order.begin(), places.order.end(),
                      [&](size_t a, size_t b) { return places.x[a] < places.x[b]; });
     return places;

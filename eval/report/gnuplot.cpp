@@ -223,13 +223,14 @@ std::string write_figures(const fs::path& folder, std::span<const Chart> charts)
     write_file(folder / (chart.id + ".dat"), gnuplot_data(chart));
     write_file(folder / (chart.id + ".gp"), gnuplot_script(chart));
   }
+  const std::string name = plain_line(folder.string());
   switch (run_gnuplot(folder, charts)) {
     case 0:
       return "";
     case kProgramNotFound:
-      return "gnuplot is not installed: figures/ holds scripts and data, but no .svg";
+      return fmt::format("gnuplot is not installed: {} holds scripts and data, but no .svg", name);
     default:
-      return "gnuplot failed: figures/ holds scripts and data, and not every .svg";
+      return fmt::format("gnuplot failed: {} holds scripts and data, and not every .svg", name);
   }
 }
 

@@ -344,7 +344,7 @@ std::string note_on_vsd(const BopScores& scores) {
   }
   if (scores.images_without_depth == 0) return "";
   return fmt::format(
-      "the depth of {} of the images is missing, of another size or cannot be read, and what they "
+      "the depth of {} of the images is missing, of another width or cannot be read, and what they "
       "ask for counts as missed by VSD",
       scores.images_without_depth);
 }

@@ -292,7 +292,8 @@ std::vector<Key> dataset_keys(SightingSource& source, int& bits) {
        .allowed = {},
        .unit = "",
        .meaning = "sensor of a data set of BOP that has several (scene_gt_SENSOR.json)",
-       .if_absent = "the one that BOP evaluates, else the first by name"},
+       .if_absent =
+           "that of scene_gt.json, else the one that BOP evaluates, else the first by name"},
       {.table = "dataset",
        .name = "object",
        .value = &source.obj_id,

@@ -39,8 +39,7 @@ std::vector<Key> keys_of(PlantedOutliers& planted) {
        {0, 1000},
        "",
        "of a numeric study with edges.observed = \"lines\" or \"both\": wrong lines of a trial, "
-       "each "
-       "displaced across itself at either end by a size of the law, to either side"},
+       "each displaced across itself at either end by a size of the law, to either side"},
       {"outliers",
        "model",
        Described{"none", "a text"},

@@ -133,8 +133,8 @@ LineRecord drawn_line(const Target& target, const SeenEdge& seen, const LineErro
   const Eigen::Vector2d normal(-direction.y(), direction.x());
   const Eigen::Matrix2d covariance = covariance_of_edge_pixels(seen.length_px, 1, sd_px);
   const Eigen::Vector2d sd = covariance.diagonal().cwiseSqrt();
-  const double offset_sigmas = stream.normal() + error.offset_px / sd.x();
-  const double slope_sigmas = stream.normal() + error.slope / sd.y();
+  const double offset_sigmas = stream.normal() + (error.is_planted ? error.offset_px / sd.x() : 0);
+  const double slope_sigmas = stream.normal() + (error.is_planted ? error.slope / sd.y() : 0);
   LineRecord line;
   line.feature = target.features[seen.of.feature].name;
   line.edge = seen.of.edge;

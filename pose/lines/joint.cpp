@@ -62,8 +62,9 @@ void add_lines(const PoseProblem& problem, Joint& joint) {
 /// Whether two observations are of one point, or of one edge.
 bool is_same(const Joint& joint, const Observed& a, const Observed& b) {
   if (a.is_line != b.is_line) return false;
-  if (!a.is_line)
+  if (!a.is_line) {
     return joint.points.points_in_centred[a.first] == joint.points.points_in_centred[b.first];
+  }
   const EdgePoint& edge = joint.edges[a.first];
   const EdgePoint& other = joint.edges[b.first];
   return (edge.begin_in_target == other.begin_in_target &&

@@ -233,7 +233,7 @@ struct SampleSearch {
 };
 
 SampleSearch best_pose(const WhitenedCorrespondences& c, const std::optional<Pose>& initial,
-                 const Rule& rule, const LspeOptions& options) {
+                       const Rule& rule, const LspeOptions& options) {
   SampleSearch search;
   for (const Candidate& candidate : Sampling(c, rule, options).run(initial)) {
     const Refined refined = refine(c, candidate.cam_from_centred, rule, options);

@@ -96,7 +96,7 @@ std::string words_of(const toml::parse_error& error) {
   const size_t begin = text.find('\'');
   const size_t end = text.rfind('\'');
   if (!text.starts_with("Error while parsing floating-point: '") || begin == end) return text;
-  return fmt::format("{} is beyond numbers of 64 bits, which reach from 2.3e-308 to 1.7e308",
+  return fmt::format("{} is beyond numbers of 64 bits, which reach to 1.8e308",
                      text.substr(begin, end - begin + 1));
 }
 

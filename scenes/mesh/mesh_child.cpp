@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <fstream>
 #include <new>
@@ -48,7 +49,8 @@ uint64_t mapped_bytes() {
 }
 
 void confine(const ReaderLimits& limits) {
-  for (const int number : {SIGINT, SIGTERM, SIGPIPE, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL}) {
+  for (const int number :
+       {SIGINT, SIGTERM, SIGPIPE, SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL, SIGXCPU}) {
     signal(number, SIG_DFL);
   }
   limit(RLIMIT_CORE, 0);
@@ -107,15 +109,18 @@ class Listener {
       : child_(child), limits_(limits) {}
 
   size_t next(char* to, size_t most) {
-    // Waits are added up, not read off a clock, which goes on while both processes are stopped.
+    // Waits are added up, none longer than twice what is asked for: the clock goes on while both
+    // processes are stopped.
     constexpr int kWaitMs = 100;
     while (true) {
-      const double most_s = limits_.idle_s + kWaitPerWork * work_s(child_.process);
-      is_late_ = waited_ms_ >= 1000 * most_s;
+      const double worked_s = std::min<double>(work_s(child_.process), limits_.cpu_s);
+      is_late_ = waited_s_ >= limits_.wait_s + kWaitPerWork * worked_s;
       if (is_late_) return 0;
       pollfd waiting{.fd = child_.pipe, .events = POLLIN, .revents = 0};
+      const auto before = std::chrono::steady_clock::now();
       const int ready = poll(&waiting, 1, kWaitMs);
-      if (ready == 0) waited_ms_ += kWaitMs;
+      const std::chrono::duration<double> turn = std::chrono::steady_clock::now() - before;
+      waited_s_ += std::min(turn.count(), 2e-3 * kWaitMs);
       if (ready <= 0) continue;
       const ssize_t size = read(child_.pipe, to, most);
       if (size < 0 && errno == EINTR) continue;
@@ -124,11 +129,12 @@ class Listener {
   }
 
   bool is_late() const { return is_late_; }
+  double waited_s() const { return waited_s_; }
 
  private:
   const ChildProcess& child_;
   const ReaderLimits& limits_;
-  int64_t waited_ms_ = 0;
+  double waited_s_ = 0;
   bool is_late_ = false;
 };
 
@@ -138,6 +144,7 @@ struct Outcome {
   MeshSoup soup;
   ProcessEnd end;
   bool is_late = false;  // we ended it
+  double waited_s = 0;
 };
 
 // Takes the child's message, then ends and reaps it.
@@ -162,6 +169,7 @@ Outcome listen(const ChildProcess& child, const std::filesystem::path& file,
   }
   close(child.pipe);
   outcome.is_late = listener.is_late();
+  outcome.waited_s = listener.waited_s();
   if (outcome.is_late) kill(child.process, SIGKILL);
   outcome.end = wait_for(child.process);
   return outcome;
@@ -171,7 +179,7 @@ Outcome listen(const ChildProcess& child, const std::filesystem::path& file,
 std::string why_unusable(const Outcome& outcome, const ReaderLimits& limits) {
   const int signal = outcome.end.signal;
   if (outcome.is_late) {
-    return fmt::format("its reader has stood still for {} s", limits.idle_s);
+    return fmt::format("its reader has been waited for {:.0f} s", outcome.waited_s);
   }
   if (signal == SIGXCPU) {
     return fmt::format("broken, or too large: reading it takes more than {} s of processor time",
@@ -208,7 +216,7 @@ ReaderLimits limits_for(uint64_t file_bytes) {
   const int cpu_s = static_cast<int>(std::min<uint64_t>(2 + mebibytes, most.cpu_s));
   return {.memory_bytes = std::min(memory_bytes, most.memory_bytes),
           .cpu_s = cpu_s,
-          .idle_s = 60 + 2 * cpu_s};
+          .wait_s = 60 + 2 * cpu_s};
 }
 
 MeshSoup read_in_child(const std::filesystem::path& file, const Reader& reader,

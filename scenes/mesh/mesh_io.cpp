@@ -116,7 +116,7 @@ class KeptTriangles {
   }
 
   size_t slot_of(const std::array<int, 3>& corners) const {
-    constexpr uint64_t kStepsByChance = 1024;
+    constexpr uint64_t kStepsByChance = 1 << 16;
     uint64_t sum = 0;
     uint64_t hash = 0;
     for (const int corner : corners) {

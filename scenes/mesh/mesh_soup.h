@@ -122,9 +122,10 @@ LoadedMesh clean(MeshSoup soup, const MeshFrame& frame, const std::filesystem::p
 struct ReaderLimits {
   uint64_t memory_bytes = uint64_t{4} << 30;  ///< beyond what the calling process has mapped
   int cpu_s = 120;
-  /// How long it may be waited for. A reader that works, if slowly since other programs have the
-  /// processors, gets more: kWaitPerWork seconds for each of its processor time.
-  int idle_s = 300;
+  /// How long it may be waited for, in all, before it has worked. A reader that works, if slowly
+  /// since other programs have the processors, gets kWaitPerWork seconds more for each of its
+  /// processor time.
+  int wait_s = 300;
 };
 
 constexpr int kWaitPerWork = 30;  ///< so slow is a reader beside thirty other programs

@@ -15,7 +15,7 @@
 namespace sightline {
 
 /// How the target moves against the camera while the shutter is open; the pose of the scene is that
-/// of mid-exposure.
+/// of mid-exposure, of a rolling shutter of the middle row's.
 struct Motion {
   Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();   ///< rotation vector, camera's axes
   Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();  ///< of the target's origin

@@ -38,9 +38,11 @@ std::vector<Key> keys_of(OpticsLaw& law, Optics& optics) {
   };
 }
 
-Optics draw_optics(OpticsLaw law, const Draws& draws) {
+Optics draw_optics(OpticsLaw law, const Pose& cam_from_target, const Draws& draws) {
   Optics optics;
   draw_keys(keys_of(law, optics), draws);
+  if (optics.has_aperture() && optics.focus_m == 0)
+    optics.focus_m = cam_from_target.translation.z();
   return optics;
 }
 

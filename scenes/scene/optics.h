@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "pose/pose.h"
 #include "scenes/scene/keys.h"
 
 namespace sightline {
@@ -15,7 +16,7 @@ namespace sightline {
 /// middle and of green.
 struct Optics {
   double aperture_mm = 0;     ///< diameter of the opening; 0: all distances are sharp
-  double focus_m = 0;         ///< distance, along the optical axis, that is sharp; 0: the target's
+  double focus_m = 0;         ///< distance, along the optical axis, that is sharp
   int aperture_samples = 64;  ///< places in the opening whose images are averaged
   double red_scale = 0;       ///< by which part red's image is larger than green's
   double blue_scale = 0;
@@ -27,7 +28,7 @@ struct Optics {
 /// What a file says of the optics. The defaults are those of a frame.
 struct OpticsLaw {
   Range aperture_mm = Optics{}.aperture_mm;
-  Range focus_m = Optics{}.focus_m;
+  Range focus_m = Optics{}.focus_m;  ///< 0: that of the target's origin
   int aperture_samples = Optics{}.aperture_samples;
   Range red_scale = Optics{}.red_scale;
   Range blue_scale = Optics{}.blue_scale;
@@ -35,8 +36,8 @@ struct OpticsLaw {
 
 std::vector<Key> keys_of(OpticsLaw& law, Optics& optics);
 
-/// The optics of one scene.
-Optics draw_optics(OpticsLaw law, const Draws& draws);
+/// The optics of one scene, whose target has this pose.
+Optics draw_optics(OpticsLaw law, const Pose& cam_from_target, const Draws& draws);
 
 /// What the truth states of the optics; nothing of a pinhole that all colours share.
 std::vector<Fact> facts_of(Optics optics);

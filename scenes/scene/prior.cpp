@@ -7,6 +7,7 @@
 #include "pose/angles.h"
 
 namespace sightline {
+
 std::vector<Key> keys_of(PriorError& error) {
   return {
       {"prior",

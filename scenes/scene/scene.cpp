@@ -32,6 +32,9 @@ void extend_by_crossings(const Scene& scene, const Triangle& triangle, Eigen::Al
 
 std::string why_not_imageable(const Scene& scene) {
   if (!scene.misplaced.empty()) return scene.misplaced;
+  if (scene.optics.has_aperture() && !(scene.optics.focus_m > 0)) {
+    return "the target's origin, at whose distance optics.focus_m is, is behind the camera";
+  }
   Eigen::AlignedBox2d pixels;
   bool is_crossing = false;
   const Mesh& mesh = scene.target->mesh;

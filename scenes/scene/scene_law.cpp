@@ -133,7 +133,7 @@ DrawnScene draw_scene(const SceneLaw& law, int given_pose, uint64_t seed, int64_
   scene.background = draw_background(law.background, draws);
   scene.livery = draw_livery(law.livery, draws);
   scene.motion = draw_motion(law.motion, law.camera, scene.cam_from_target, draws);
-  scene.optics = draw_optics(law.optics, draws);
+  scene.optics = draw_optics(law.optics, scene.cam_from_target, draws);
   scene.sensor = draw_sensor(law.sensor, seed, draws);
   scene.colouring = draw_colouring(law.colouring, draws);
   DrawnOthers others =

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <compare>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -19,6 +20,7 @@ struct MeshUse {
   std::vector<std::string> hidden = {};
 
   bool says_frame() const { return !(forward + up + unit).empty(); }
+  auto operator<=>(const MeshUse&) const = default;
 };
 
 /// The frame that is meant. Throws InputError for a wrong unit.

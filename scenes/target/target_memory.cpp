@@ -22,8 +22,11 @@ TargetMemory::~TargetMemory() {
 std::shared_ptr<const Target> TargetMemory::get(const std::filesystem::path& file,
                                                 const MeshUse& use, const Loader& load) {
   if (current_memory == nullptr) return load();
-  const std::string path = std::filesystem::absolute(file).lexically_normal().string();
-  const Key key(path, use.forward, use.up, use.unit, use.hidden);
+  // The name of a file is that of its target, also where it is a link.
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  std::error_code error;
+  const std::filesystem::path real = std::filesystem::weakly_canonical(folder, error);
+  const Key key(((error ? folder : real) / file.filename()).string(), use);
   auto& known = current_memory->known_;
   const auto found = known.find(key);
   if (found != known.end()) return found->second;

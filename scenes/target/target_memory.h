@@ -7,8 +7,7 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <tuple>
-#include <vector>
+#include <utility>
 
 #include "scenes/target/target.h"
 
@@ -28,9 +27,7 @@ class TargetMemory {
  private:
   friend std::shared_ptr<const Target> load_target(const std::string&, const MeshUse&);
   using Loader = std::function<std::shared_ptr<const Target>()>;
-  // The file, and the four members of a MeshUse.
-  using Key =
-      std::tuple<std::string, std::string, std::string, std::string, std::vector<std::string>>;
+  using Key = std::pair<std::string, MeshUse>;  // of the file's path
 
   // The target that this thread remembers, or that is loaded now.
   static std::shared_ptr<const Target> get(const std::filesystem::path& file, const MeshUse& use,

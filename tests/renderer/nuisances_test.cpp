@@ -255,6 +255,9 @@ TEST(Aperture, BlursWhatIsOutOfFocusByTheDiscOfGeometry) {
   const SpreadEdge edge = right_edge(renderer.render_linear(scene), 256);
   EXPECT_NEAR(edge.place_px, kPlateEdgePx, 0.02);
   EXPECT_NEAR(edge.variance_px2, disc_px * disc_px / 16 + 1.0 / 6, 0.02);
+  // And in the other direction.
+  const cv::Mat turned = renderer.render_linear(scene).t();
+  EXPECT_NEAR(right_edge(turned, 256).variance_px2, edge.variance_px2, 0.02);
   // As much too far as it was too near: the same disc.
   scene.optics.focus_m = 75;
   EXPECT_NEAR(right_edge(renderer.render_linear(scene), 256).variance_px2, edge.variance_px2, 0.02);
@@ -264,13 +267,11 @@ TEST(Aperture, LeavesWhatIsInFocusSharp) {
   Renderer renderer;
   Scene scene = plate_at_60_m();
   const cv::Mat plain = renderer.render_linear(scene);
-  scene.optics = {.aperture_mm = 100, .focus_m = 0, .aperture_samples = 16};
-  EXPECT_LT(cv::norm(renderer.render_linear(scene), plain, cv::NORM_INF), 0.02);
-  scene.optics.focus_m = 60;
+  scene.optics = {.aperture_mm = 100, .focus_m = 60, .aperture_samples = 16};
   EXPECT_LT(cv::norm(renderer.render_linear(scene), plain, cv::NORM_INF), 0.02);
 }
 
-TEST(Aperture, SeesBodiesAndLampsFromItsPlaces) {
+TEST(Aperture, SeesBodiesBesideTheTargetFromItsPlaces) {
   Renderer renderer;
   // The main target is out of focus, a body beside it is not.
   Scene scene = coverage_scene(plate(0.3), at(-1, 0, 50));
@@ -280,6 +281,23 @@ TEST(Aperture, SeesBodiesAndLampsFromItsPlaces) {
   const SpreadEdge focused = right_edge(renderer.render_linear(scene), 256);
   EXPECT_NEAR(focused.variance_px2, plain.variance_px2, 0.02);
   EXPECT_NEAR(focused.place_px, plain.place_px, 0.01);
+}
+
+// A spot on a plate in focus lies where it lies, though the camera moves by a quarter of a metre.
+TEST(Aperture, LeavesLampsWhereTheyAre) {
+  Renderer renderer;
+  Scene scene = coverage_scene(plate(2), at(0, 0, 10), 1000);
+  scene.light.ambient = 0;
+  scene.lamps.push_back({.distance_m = 10, .cone_deg = 5});
+  cv::Mat plain = renderer.render_linear(scene);
+  scene.optics = {.aperture_mm = 500, .focus_m = 10, .aperture_samples = 16};
+  cv::Mat focused = renderer.render_linear(scene);
+  if (plain.channels() == 3) {
+    cv::extractChannel(plain, plain, 1);
+    cv::extractChannel(focused, focused, 1);
+  }
+  EXPECT_GT(cv::norm(plain, cv::NORM_INF), 0.5);
+  EXPECT_LT(cv::norm(plain, focused, cv::NORM_L1), 0.02 * cv::norm(plain, cv::NORM_L1));
 }
 
 TEST(RollingShutter, ExposesRowsOneAfterTheOther) {
@@ -297,6 +315,21 @@ TEST(RollingShutter, ExposesRowsOneAfterTheOther) {
   EXPECT_NEAR(image.at<float>(256, 256), 1, 1e-5) << "each row is exposed once";
   scene.motion.readout = 0;
   EXPECT_NEAR(right_edge(renderer.render_linear(scene), 410).place_px, kPlateEdgePx, 0.03);
+}
+
+TEST(RollingShutter, OfAnOpenedLensHasItsPlacesInEachRow) {
+  Renderer renderer;
+  Scene scene = plate_at_60_m();
+  scene.motion.translation_m = {2 * 0.006, 0, 0};
+  scene.motion.readout = 1;
+  scene.optics = {.aperture_mm = 100, .focus_m = 50, .aperture_samples = 64};
+  const double disc_px = 10000 * 0.1 * (1.0 / 50 - 1.0 / 60);
+  const cv::Mat image = renderer.render_linear(scene);
+  for (const int row : {100, 256, 410}) {
+    const SpreadEdge edge = right_edge(image, row);
+    EXPECT_NEAR(edge.place_px, kPlateEdgePx + 2 * (row / 511.0 - 0.5), 0.1) << row;
+    EXPECT_NEAR(edge.variance_px2, 2 * 2 / 12.0 + disc_px * disc_px / 16 + 1.0 / 6, 0.1) << row;
+  }
 }
 
 TEST(ChromaticShift, EnlargesTheImagesOfRedAndBlue) {

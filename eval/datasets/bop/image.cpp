@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/datasets/bop/image.h"
 
+#include <array>
 #include <utility>
 
 #include <fmt/format.h>
@@ -120,8 +121,16 @@ Camera bop_camera(const BopImage& image) {
 }
 
 fs::path bop_camera_file(const BopImage& image) {
-  if (!image.key.empty()) return image.folder / fmt::format("{}.camera.json", image.key);
-  return image.folder / bop::of_sensor(bop::kSceneCameraFile, image.sensor);
+  if (image.key.empty()) {
+    return plain_or_packed(image.folder / bop::of_sensor(bop::kSceneCameraFile, image.sensor));
+  }
+  // The first is what the toolkit writes.
+  constexpr std::array<std::string_view, 2> kEndings = {".camera.json", ".cam.json"};
+  for (const std::string_view ending : kEndings) {
+    const fs::path file = plain_or_packed(image.folder / fmt::format("{}{}", image.key, ending));
+    if (fs::exists(file)) return file;
+  }
+  return image.folder / fmt::format("{}{}", image.key, kEndings.front());
 }
 
 fs::path bop_visible_mask(const BopImage& image, int gt_id) {

@@ -121,6 +121,14 @@ std::optional<Eigen::AlignedBox3d> stated_box(const Json& info) {
   return Eigen::AlignedBox3d(min, min + vector("size"));
 }
 
+std::vector<Pose> symmetries_of_object(const Json& info, int obj_id) {
+  try {
+    return symmetries_of(info);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("object {}: {}", obj_id, error.what()));
+  }
+}
+
 }  // namespace
 
 std::vector<Pose> bop_symmetries(const std::string& info) {
@@ -143,7 +151,7 @@ std::map<int, BopModel> read_bop_models(const fs::path& set, const std::set<int>
       if (info == nullptr) throw InputError(fmt::format("has no object {}, which a target is", id));
       model.diameter_mm = number_in(*info, "diameter");
       if (!(model.diameter_mm > 0)) throw InputError(fmt::format("{}: diameter must be > 0", id));
-      model.symmetries = symmetries_of(*info);
+      model.symmetries = symmetries_of_object(*info, id);
     }
   });
   return models;
@@ -157,7 +165,7 @@ BopModelFacts bop_model_facts(const fs::path& set, int obj_id) {
     with_json(facts.file, [&](const Json& infos) {
       const Json* const info = NumberedEntries(infos).find(obj_id);
       if (info == nullptr) return;
-      facts.symmetries = {symmetries_of(*info), axes_of(*info)};
+      facts.symmetries = {symmetries_of_object(*info, obj_id), axes_of(*info)};
       facts.box_mm = stated_box(*info);
     });
   }

@@ -88,6 +88,7 @@ fs::path numbered_scene(const fs::path& split, int scene_id) {
   for (const int digits : kDigits) {
     fs::path folder = split / joined({scene_id}, digits);
     if (folder == found || !fs::is_directory(folder)) continue;
+    if (!found.empty() && fs::equivalent(found, folder)) continue;  // a link
     if (!found.empty()) {
       throw InputError(fmt::format("{}: has scene {} twice, as {} and {}", split.string(), scene_id,
                                    found.filename().string(), folder.filename().string()));

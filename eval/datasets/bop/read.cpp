@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "eval/datasets/bop/layout.h"
@@ -234,6 +235,18 @@ void note_diameter(int obj_id, const BopModel& model, std::vector<std::string>& 
       bop::kModelsInfoFile, obj_id, model.diameter_mm, sides.x(), sides.y(), sides.z()));
 }
 
+// Whether some of a model is in front of the camera, which stands outside of its box, by a
+// hundredth of its size at least. Of one without points its origin counts.
+bool is_in_front(const BopModel& model, const Pose& cam_from_model) {
+  if (model.points_mm.cols() == 0) return cam_from_model.translation.z() > 0;
+  const Eigen::AlignedBox3d box(model.points_mm.rowwise().minCoeff(),
+                                model.points_mm.rowwise().maxCoeff());
+  const Eigen::Vector3d camera = inverse(cam_from_model).translation;
+  const double farthest_mm = (cam_from_model.rotation.row(2) * model.points_mm).maxCoeff() +
+                             cam_from_model.translation.z();
+  return box.exteriorDistance(camera) > 0.01 * box.diagonal().norm() && farthest_mm > 0;
+}
+
 // Against a truth in metres every estimate would be wrong. That a camera stands within an object,
 // or sees what is behind it, is no truth either.
 void require_any_in_front(const fs::path& folder, const BopDataset& dataset) {
@@ -241,9 +254,7 @@ void require_any_in_front(const fs::path& folder, const BopDataset& dataset) {
   for (const BopImage& image : dataset.images) {
     for (const BopInstance& instance : image.instances) {
       if (!instance.has_pose || !image.targets.contains(instance.obj_id)) continue;
-      const Eigen::Vector3d& t = instance.cam_from_model.translation;
-      const double radius_mm = dataset.models.at(instance.obj_id).diameter_mm / 2;
-      if (t.z() > 0 && t.norm() > radius_mm) return;
+      if (is_in_front(dataset.models.at(instance.obj_id), instance.cam_from_model)) return;
       ++poses;
     }
   }

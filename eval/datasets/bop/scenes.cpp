@@ -3,7 +3,6 @@
 #include "eval/datasets/bop/scenes.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <optional>
 #include <set>
@@ -26,22 +25,12 @@ namespace fs = std::filesystem;
 // ---- imagewise
 
 constexpr std::string_view kImageTruth = ".gt.json";
-// The first is what the toolkit writes.
-constexpr std::array<std::string_view, 2> kImageCameras = {".camera.json", ".cam.json"};
 
 // The key of an image whose truth is in a file of that name; empty of another file.
 std::string key_of(const fs::path& file) {
   const std::string name = unpacked_name(file.filename()).string();
   if (!name.ends_with(kImageTruth)) return "";
   return name.substr(0, name.size() - kImageTruth.size());
-}
-
-fs::path camera_of_key(const fs::path& folder, const std::string& key) {
-  for (const std::string_view ending : kImageCameras) {
-    const fs::path file = plain_or_packed(folder / fmt::format("{}{}", key, ending));
-    if (fs::exists(file)) return file;
-  }
-  return folder / fmt::format("{}{}", key, kImageCameras.front());
 }
 
 BopImage image_of_key(const fs::path& folder, const std::string& key) {
@@ -66,8 +55,7 @@ void read_files_of(BopImage& image) {
     return plain_or_packed(beginning.string() + std::string(ending));
   };
   with_json(file(kImageTruth), [&](const Json& json) { add_bop_truth(json, image); });
-  with_json(camera_of_key(image.folder, image.key),
-            [&](const Json& json) { add_bop_camera(json, image); });
+  with_json(bop_camera_file(image), [&](const Json& json) { add_bop_camera(json, image); });
   if (const fs::path infos = file(".gt_info.json"); fs::exists(infos)) {
     with_json(infos, [&](const Json& json) {
       add_bop_visibility(json, image.key + std::string(kImageTruth), image);
@@ -83,7 +71,8 @@ std::set<std::string> sensors_of(const fs::path& scene) {
   constexpr std::string_view kBefore = "scene_gt_";
   constexpr std::string_view kBehind = ".json";
   std::set<std::string> sensors;
-  if (fs::exists(plain_or_packed(scene / bop::kSceneTruthFile))) sensors.insert("");
+  const bool has_unnamed = fs::exists(plain_or_packed(scene / bop::kSceneTruthFile));
+  if (has_unnamed) sensors.insert("");
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(scene, error)) {
     const std::string name = unpacked_name(entry.path().filename()).string();
@@ -91,7 +80,11 @@ std::set<std::string> sensors_of(const fs::path& scene) {
     if (name.size() <= kBefore.size() + kBehind.size()) continue;
     const std::string sensor =
         name.substr(kBefore.size(), name.size() - kBefore.size() - kBehind.size());
-    if (!sensor.starts_with("info") && !sensor.starts_with("coco")) sensors.insert(sensor);
+    if (sensor.starts_with("info") || sensor.starts_with("coco")) continue;
+    // Beside a truth without a name another may be but a copy of it.
+    const bool has_camera =
+        fs::exists(plain_or_packed(scene / bop::of_sensor(bop::kSceneCameraFile, sensor)));
+    if (has_camera || !has_unnamed) sensors.insert(sensor);
   }
   return sensors;
 }

@@ -32,8 +32,8 @@ std::vector<int> scenes_in(const std::filesystem::path& split);
 /// The images of these scenes that are asked for, likewise: of each scene_gt.json,
 /// scene_camera.json and, where there is one, scene_gt_info.json. Of a scene with several sensors,
 /// as sets of 2024 and later have them (scene_gt_cam1.json), those of `sensor`. Where that is
-/// empty, those of the one that BOP evaluates, else of the first by name; `notes` gains a line on
-/// the others.
+/// empty, those of scene_gt.json, else of the one that BOP evaluates, else of the first by name;
+/// `notes` gains a line on the others.
 std::vector<BopImage> read_scenewise(const std::filesystem::path& split,
                                      const std::vector<int>& scenes, const std::string& sensor,
                                      const AskedImages& is_asked, std::vector<std::string>& notes);

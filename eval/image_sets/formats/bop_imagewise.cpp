@@ -17,7 +17,7 @@
 #include "eval/image_sets/coco_keypoints.h"
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
-#include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 #include "scenes/picture/picture_file.h"
 
 namespace sightline {
@@ -71,6 +71,17 @@ std::vector<std::string> imagewise_paths(const SetPlan& plan, const Json& truth)
   return all;
 }
 
+std::string line_of(const Json& json) {
+  return json.dump() + "\n";
+}
+
+// What the truth says of an image, in files of its own.
+std::vector<SetFile> told_files(const SetPlan& plan, const KeyPaths& paths, const Json& truth) {
+  return {{paths.camera, line_of(bop::image_camera(plan, truth))},
+          {paths.poses, line_of(bop::image_poses(truth))},
+          {paths.visibilities, line_of(bop::image_visibilities(truth))}};
+}
+
 std::vector<SetFile> imagewise_files(const SetPlan& plan, const SetImage& image) {
   const Frame& frame = image.frame;
   const KeyPaths paths = key_paths(plan, image.index, !frame.colour.empty());
@@ -80,33 +91,26 @@ std::vector<SetFile> imagewise_files(const SetPlan& plan, const SetImage& image)
     whole[std::to_string(gt_id)] = coco::run_lengths(masks[gt_id].whole);
     visible[std::to_string(gt_id)] = coco::run_lengths(masks[gt_id].visible);
   }
-  const Json truth = truth_of(plan, image);
-  const auto line = [](const Json& json) { return json.dump() + "\n"; };
   std::vector<SetFile> files = {
       {paths.grey, png_bytes(frame.image)},
       {paths.depth, png_bytes(bop::depth_steps(frame.depth_m, plan.depth_scale))},
-      {paths.masks, line(whole)},
-      {paths.visible_masks, line(visible)},
-      {paths.camera, line(bop::image_camera(plan, truth))},
-      {paths.poses, line(bop::image_poses(truth))},
-      {paths.visibilities, line(bop::image_visibilities(truth))}};
+      {paths.masks, line_of(whole)},
+      {paths.visible_masks, line_of(visible)}};
+  for (SetFile& file : told_files(plan, paths, truth_of(plan, image))) {
+    files.push_back(std::move(file));
+  }
   if (!paths.grey_tiff.empty()) files.push_back({paths.grey_tiff, tiff_bytes(frame.image)});
   if (!paths.colour.empty()) files.push_back({paths.colour, png_bytes(frame.colour)});
   return files;
 }
 
-// The masks of what is seen stand in their file as COCO wants them.
 Json imagewise_told_by_files(const SetPlan& plan, const fs::path& folder, const Json& truth) {
   Json segmentations = Json::array();
-  try {
-    const Json masks = read_json(folder / key_paths(plan, truth).visible_masks);
-    for (size_t gt_id = 0; gt_id < bop::annotated(truth).size(); ++gt_id) {
-      const std::string number = std::to_string(gt_id);
-      if (!masks.is_object() || !masks.contains(number)) return nullptr;
-      segmentations.push_back(masks[number]);
-    }
-  } catch (const InputError&) {
-    return nullptr;
+  const MaskRuns masks(folder / key_paths(plan, truth).visible_masks);
+  for (size_t i = 0; i < bop::annotated(truth).size(); ++i) {
+    const cv::Mat mask = masks.mask(static_cast<int>(i));
+    if (mask.empty()) return nullptr;
+    segmentations.push_back(coco::run_lengths(mask));
   }
   return segmentations;
 }
@@ -166,6 +170,11 @@ std::vector<std::string> imagewise_problems(const SetPlan& plan, const fs::path&
     image.masks.push_back(checked(paths.masks, masks.mask(gt_id), CV_8U));
     image.visible_masks.push_back(checked(paths.visible_masks, visible_masks.mask(gt_id), CV_8U));
   }
+  for (const SetFile& file : told_files(plan, paths, truth)) {
+    if (bytes_of_file(folder / file.path, kMostInputBytes) != file.bytes) {
+      problems.push_back(file.path + " is not what the truth says");
+    }
+  }
   if (!problems.empty()) return problems;
   return bop::instances_problems(plan, folder, truth, image);
 }
@@ -173,7 +182,7 @@ std::vector<std::string> imagewise_problems(const SetPlan& plan, const fs::path&
 }  // namespace
 
 SetFormat bop_imagewise_format() {
-  return {.name = "bop-imagewise",
+  return {.name = "bop_imagewise",
           .summary = "the same, all files of an image side by side",
           .lens_note = "BOP has no lens distortion; it stands in dataset_info.md and sightline/",
           .image_files = imagewise_files,

@@ -176,7 +176,7 @@ TEST_F(OddSet, HasOneMissByVsdWhereDepthIsTornOrAbsent) {
   // One of half the size would be compared with what is elsewhere.
   write("test/000001/depth/000001.png", png_bytes(cv::Mat::zeros(kHeight / 2, kWidth / 2, CV_16U)));
   EXPECT_DOUBLE_EQ(summarise(scores(rows)).ar_vsd.value, 2.0 / 3);
-  EXPECT_THAT(note_on_vsd(scores(rows)), HasSubstr("1 of the images is missing, of another size"));
+  EXPECT_THAT(note_on_vsd(scores(rows)), HasSubstr("1 of the images is missing, of another width"));
 }
 
 TEST_F(OddSet, TakesTheWidthOfItsPicturesAndNotThatOfItsCamera) {
@@ -296,6 +296,7 @@ TEST_F(OddSet, IsRefusedWhereNothingCouldBeScored) {
     EXPECT_THAT(truths_at(z_mm), HasSubstr("none of its 3 true poses has the object in front"));
   }
   EXPECT_EQ(truths_at(1000), "");
+  EXPECT_EQ(truths_at(60), "") << "a centimetre before the cube";
 }
 
 TEST_F(OddSet, SaysWhereADiameterIsNotThatOfTheModel) {
@@ -303,7 +304,7 @@ TEST_F(OddSet, SaysWhereADiameterIsNotThatOfTheModel) {
     write("models/models_info.json", fmt::format(R"({{"1": {{"diameter": {}}}}})", good));
     EXPECT_THAT(dataset().notes, IsEmpty()) << good;
   }
-  for (const char* bad : {"0.173205", "80", "1732"}) {
+  for (const char* bad : {"0.173205", "80", "1732", "173205"}) {
     write("models/models_info.json", fmt::format(R"({{"1": {{"diameter": {}}}}})", bad));
     EXPECT_THAT(dataset().notes, ElementsAre(HasSubstr(fmt::format("a diameter of {} mm, its model "
                                                                    "is 100 x 100 x 100",

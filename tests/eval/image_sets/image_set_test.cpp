@@ -288,14 +288,17 @@ TEST_F(ImageSet, TwoRunsIntoOneFolderAreRefused) {
 
 // A process that knows the set as it was before it grew neither says that it is whole nor lists it.
 TEST_F(ImageSet, GrowsUnderARunThatKnowsTheShorterOne) {
-  const std::string scenes = "--scene-size 100 --quiet ";
+  const std::string scenes = "--scene-size 100 --quiet --set image.samples_per_pixel=64 ";
   const std::string shorter =
       "render cube" + kQuick + "--out " + path("set") + " " + scenes + "--count 120 --shard 1/2 ";
   const pid_t process = start(shorter + "--resume", path("words"));
   while (truths_in(path("set")).empty() && waitpid(process, nullptr, WNOHANG) == 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  ASSERT_EQ(kill(-process, SIGSTOP), 0);  // in the middle of its images
+  const bool is_stopped = kill(-process, SIGSTOP) == 0;  // in the middle of its images
+  if (!is_stopped || truths_in(path("set")).size() >= 60) {
+    GTEST_SKIP() << "the run was over before it could be stopped";
+  }
   EXPECT_EQ(render("set", scenes + "--count 121 --resume --shard 0/2").exit_code, 0);
   EXPECT_EQ(kill(-process, SIGCONT), 0);
   int status = 0;

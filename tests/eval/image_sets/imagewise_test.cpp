@@ -27,7 +27,7 @@ class ImagewiseSet : public ImageSet {
  protected:
   void SetUp() override {
     ASSERT_EQ(render("scenes", kSameSet).exit_code, 0) << render("scenes", kSameSet).output;
-    ASSERT_EQ(render("images", kSameSet + "--format bop-imagewise").exit_code, 0);
+    ASSERT_EQ(render("images", kSameSet + "--format bop_imagewise").exit_code, 0);
   }
 };
 
@@ -82,6 +82,12 @@ TEST_F(ImagewiseSet, IsReadWithTheSamePosesAndPictures) {
 
 TEST_F(ImagewiseSet, IsVerifiedLikeAnyOther) {
   EXPECT_EQ(verify("images").exit_code, 0) << verify("images").output;
+  const std::string poses = path("images/test/000001_000000.gt.json");
+  const std::string before = read_whole(poses);
+  std::ofstream(poses) << "[]\n";
+  EXPECT_THAT(verify("images").output, HasSubstr("gt.json is not what the truth says"));
+  std::ofstream(poses) << before;
+  EXPECT_EQ(verify("images").exit_code, 0);
   std::ofstream(path("images/test/000000_000001.mask_visib.json")) << R"({"0": {"size": [1)";
   const Outcome torn = verify("images");
   EXPECT_EQ(torn.exit_code, 1);

@@ -232,7 +232,7 @@ TEST_F(ReadInChild, ACrashIsOneLine) {
 }
 
 TEST_F(ReadInChild, AReaderThatHangsIsEnded) {
-  EXPECT_THAT(error_of_reader([] { pause(); }, {.idle_s = 1}), HasSubstr("stood still for 1 s"));
+  EXPECT_THAT(error_of_reader([] { pause(); }, {.wait_s = 1}), HasSubstr("waited for 1 s"));
   const auto spin = [] {
     volatile bool is_done = false;
     while (!is_done) {
@@ -249,7 +249,7 @@ TEST_F(ReadInChild, AReaderThatWorksIsWaitedForLonger) {
     usleep(1'500'000);  // as if other programs had the processors
     return one_triangle();
   };
-  const MeshSoup soup = read_in_child(kFile, work_and_wait, {.idle_s = 1});
+  const MeshSoup soup = read_in_child(kFile, work_and_wait, {.wait_s = 1});
   EXPECT_EQ(soup.triangles.size(), 1u);
 }
 
