@@ -217,14 +217,14 @@ EstimateOutcome ExternalProcess::answer_to(
     return outcome_of(hearing);
   }
   try {
-    const Json answer = parse_json(line, "it");
+    const Json answer = parse_json(line, "the line");
     if (answer.at("id") != id) throw BadAnswer(fmt::format("has not the id {}", id));
     const EstimateOutcome status = status_in(answer, reason);
     return status == EstimateOutcome::kOk ? read(answer) : status;
   } catch (const Json::exception& error) {
     throw BadAnswer(fmt::format("{}: {}", words_of(error), excerpt_of(line)));
   } catch (const InputError& error) {
-    throw BadAnswer(fmt::format("{}: {}", error.what(), excerpt_of(line)));
+    throw BadAnswer(fmt::format("is {}: {}", excerpt_of(line), error.what()));
   } catch (const BadAnswer& error) {
     throw BadAnswer(fmt::format("{}: {}", error.what(), excerpt_of(line)));
   }
