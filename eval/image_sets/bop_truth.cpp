@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -213,6 +214,16 @@ std::vector<Json> image_targets(const SetPlan& plan, const Json& truth) {
   }
   const int64_t index = truth.at("index");
   return target_elements(plan.chunk_of(index), plan.number_in_chunk(index), instances);
+}
+
+AnnotatedImage annotated_image(const SetPlan& plan, const Json& truth, std::string file_name) {
+  const Json& camera = truth.at("camera");
+  return {.id = plan.number_in_chunk(truth.at("index")),
+          .file_name = std::move(file_name),
+          .width_px = camera.at("width_px"),
+          .height_px = camera.at("height_px"),
+          .bodies = annotated(truth),
+          .segmentations = truth.at(kToldByFiles)};
 }
 
 std::vector<SetFile> set_files(const SetPlan& plan, const LayoutText& layout) {

@@ -13,6 +13,7 @@
 #include <opencv2/core/mat.hpp>
 
 #include "eval/datasets/set_file.h"
+#include "eval/image_sets/coco_keypoints.h"
 #include "eval/image_sets/set_plan.h"
 #include "eval/output/json.h"
 
@@ -36,6 +37,10 @@ Json image_camera(const SetPlan& plan, const Json& truth);
 Json image_poses(const Json& truth);
 Json image_visibilities(const Json& truth);
 std::vector<Json> image_targets(const SetPlan& plan, const Json& truth);
+
+/// What COCO's annotations say of an image, whose picture lies at that path relative to theirs. The
+/// truth must have what its files tell (kToldByFiles).
+AnnotatedImage annotated_image(const SetPlan& plan, const Json& truth, std::string file_name);
 
 /// What a layout calls itself, and where it has its pictures, in words for its description.
 struct LayoutText {

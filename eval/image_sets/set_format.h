@@ -27,6 +27,8 @@ struct SetFormat {
   std::string_view summary;
   /// What to tell whoever renders with lens distortion, where the format has no place for it.
   std::string_view lens_note;
+  /// Whether it has a place for grey pictures as .tiff too (render --also tiff).
+  bool has_grey_tiff = false;
 
   /// The files of one image, the picture first.
   std::vector<SetFile> (*image_files)(const SetPlan& plan, const SetImage& image);

@@ -173,7 +173,7 @@ SetPlan plan_set(const SetRequest& request) {
   plan.chunk = request.chunk;
   plan.has_full_truth = request.has_full_truth;
   plan.extras = extras_named(request.also);
-  if (plan.extras.has_grey_tiff && !plan.format->name.starts_with("bop")) {
+  if (plan.extras.has_grey_tiff && !plan.format->has_grey_tiff) {
     throw InputError(fmt::format("--also tiff: is of BOP's formats, not of {}", plan.format->name));
   }
   plan.gl = request.gl;

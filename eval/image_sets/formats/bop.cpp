@@ -96,16 +96,10 @@ Json bop_told_by_files(const SetPlan& plan, const fs::path& folder, const Json& 
   return segmentations_in(folder, paths_of(plan, truth).visible_masks);
 }
 
-AnnotatedImage annotated_image(const SetPlan& plan, const std::string& scene, const Json& truth) {
-  const Json& camera = truth.at("camera");
+// The picture that extractors and networks see, relative to its scene.
+std::string picture_in_scene(const SetPlan& plan, const std::string& scene, const Json& truth) {
   const ImagePaths paths = paths_of(plan, truth);
-  const std::string& picture = paths.colour.empty() ? paths.grey : paths.colour;
-  return {.id = plan.number_in_chunk(truth.at("index")),
-          .file_name = picture.substr(scene.size()),
-          .width_px = camera.at("width_px"),
-          .height_px = camera.at("height_px"),
-          .bodies = bop::annotated(truth),
-          .segmentations = truth.at(kToldByFiles)};
+  return (paths.colour.empty() ? paths.grey : paths.colour).substr(scene.size());
 }
 
 std::vector<SetFile> bop_chunk_files(const SetPlan& plan, int64_t chunk,
@@ -118,7 +112,7 @@ std::vector<SetFile> bop_chunk_files(const SetPlan& plan, int64_t chunk,
     cameras.push_back({im_id, bop::image_camera(plan, truth)});
     poses.push_back({im_id, bop::image_poses(truth)});
     visibilities.push_back({im_id, bop::image_visibilities(truth)});
-    keypoints.push_back(annotated_image(plan, scene, truth));
+    keypoints.push_back(bop::annotated_image(plan, truth, picture_in_scene(plan, scene, truth)));
   }
   const auto path = [&](std::string_view file) { return scene + std::string(file); };
   return {{path(bop::kSceneCameraFile), bop::scene_file(cameras)},
@@ -171,6 +165,7 @@ SetFormat bop_format() {
   return {.name = "bop",
           .summary = "Benchmark for 6D Object Pose Estimation, scenewise",
           .lens_note = "BOP has no lens distortion; it stands in dataset_info.md and sightline/",
+          .has_grey_tiff = true,
           .image_files = bop_image_files,
           .image_paths = bop_image_paths,
           .image_problems = bop_image_problems,

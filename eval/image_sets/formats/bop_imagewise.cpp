@@ -121,13 +121,7 @@ std::vector<SetFile> imagewise_chunk_files(const SetPlan& plan, int64_t chunk,
   for (const Json& truth : truths) {
     const KeyPaths paths = key_paths(plan, truth);
     const std::string& picture = paths.colour.empty() ? paths.grey : paths.colour;
-    const Json& camera = truth.at("camera");
-    keypoints.push_back({.id = plan.number_in_chunk(truth.at("index")),
-                         .file_name = picture.substr(key_folder().size()),
-                         .width_px = camera.at("width_px"),
-                         .height_px = camera.at("height_px"),
-                         .bodies = bop::annotated(truth),
-                         .segmentations = truth.at(kToldByFiles)});
+    keypoints.push_back(bop::annotated_image(plan, truth, picture.substr(key_folder().size())));
   }
   return {{fmt::format("coco_keypoints/{}.json", bop::scene_name(chunk)),
            coco_keypoints_file(plan, keypoints)}};
@@ -185,6 +179,7 @@ SetFormat bop_imagewise_format() {
   return {.name = "bop_imagewise",
           .summary = "the same, all files of an image side by side",
           .lens_note = "BOP has no lens distortion; it stands in dataset_info.md and sightline/",
+          .has_grey_tiff = true,
           .image_files = imagewise_files,
           .image_paths = imagewise_paths,
           .image_problems = imagewise_problems,

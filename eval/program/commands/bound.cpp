@@ -67,8 +67,9 @@ void print_bound(BoundArguments arguments) {
   std::cout << (arguments.is_json ? image_bound_json(study.title, rows)
                                   : shown(image_bound_table(study.title, rows)));
   if (!arguments.csv.empty()) write_csv(arguments.csv, rows);
-  if (!arguments.figures.empty())
+  if (!arguments.figures.empty()) {
     draw_charts(arguments.figures, bound_charts(study.conditions, rows));
+  }
 }
 
 }  // namespace
