@@ -73,6 +73,33 @@ bool is_same(const Joint& joint, const Observed& a, const Observed& b) {
           edge.end_in_target == other.begin_in_target);
 }
 
+/// Whether the observations say as many numbers of the pose as so many points, up to kFewest; what
+/// is given twice says no more.
+bool tells_as_much_as(const Joint& joint, std::size_t points) {
+  struct Told {
+    const Observed* observed = nullptr;
+    int numbers = 0;
+  };
+  std::array<Told, 2 * kFewest> all;
+  std::size_t count = 0;
+  int numbers = 0;
+  for (const Observed& observed : joint.observed) {
+    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
+    const auto told = std::find_if(all.begin(), end, [&](const Told& other) {
+      return is_same(joint, *other.observed, observed);
+    });
+    if (told == end) {
+      *told = {&observed, 0};
+      ++count;
+    }
+    const int more = std::min(observed.numbers, 2 - told->numbers);
+    told->numbers += more;
+    numbers += more;
+    if (numbers >= 2 * static_cast<int>(points)) return true;
+  }
+  return false;
+}
+
 /// The middle of all that is seen of the target.
 void centre(Joint& joint) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -222,38 +249,11 @@ PreparedJoint prepare_joint(const PoseProblem& problem) {
   joint.observed.reserve(problem.pixels.size() + problem.lines.size());
   add_points(problem, joint);
   add_lines(problem, joint);
-  if (!is_determined(joint, {}, fewest)) return prepared;
+  if (!tells_as_much_as(joint, fewest)) return prepared;
   centre(joint);
   if (initial) joint.initial_cam_from_centred = to_centred(*initial, joint.points);
   prepared.status = PoseStatus::kOk;
   return prepared;
-}
-
-bool is_determined(const Joint& joint, std::span<const double> weights, std::size_t fewest) {
-  struct Told {
-    const Observed* observed = nullptr;
-    int numbers = 0;
-  };
-  std::array<Told, 2 * kFewest> all;
-  std::size_t count = 0;
-  int numbers = 0;
-  for (std::size_t i = 0; i < joint.observed.size(); ++i) {
-    if (!weights.empty() && !(weights[i] > 0.5)) continue;
-    const Observed& observed = joint.observed[i];
-    const auto end = all.begin() + static_cast<std::ptrdiff_t>(count);
-    const auto told = std::find_if(all.begin(), end, [&](const Told& other) {
-      return is_same(joint, *other.observed, observed);
-    });
-    if (told == end) {
-      *told = {&observed, 0};
-      ++count;
-    }
-    const int more = std::min(observed.numbers, 2 - told->numbers);
-    told->numbers += more;
-    numbers += more;
-    if (numbers >= 2 * static_cast<int>(fewest)) return true;
-  }
-  return false;
 }
 
 bool is_noise_known(const PoseProblem& problem) {

@@ -54,14 +54,10 @@ struct PreparedJoint {
 };
 
 /// kTooFewPoints where there are fewer than kFewest observations (with a usable initial pose
-/// kFewestFromInitial), kDegenerate where those that can be used do not determine a pose
-/// (is_determined), or the camera has no positive focal length.
+/// kFewestFromInitial), kDegenerate where those that can be used say fewer numbers of the
+/// pose than as many points would, or the camera has no positive focal length. A point or an edge
+/// says two, however often it was observed: oftener only makes them more exact.
 PreparedJoint prepare_joint(const PoseProblem& problem);
-
-/// Whether the observations say as many numbers of the pose as `fewest` points do. A point or an
-/// edge says two, however often it was observed: oftener only makes them more exact. Observations
-/// of a weight up to a half (one an observation, or none for ones) do not count.
-bool is_determined(const Joint& joint, std::span<const double> weights, std::size_t fewest);
 
 /// The spread of the pixels, px, by which an outlier's error is measured
 /// (consensus::image_unit_px); 0 where all pixels are one.

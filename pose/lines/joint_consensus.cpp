@@ -412,8 +412,7 @@ PoseEstimate solve_consensus(const PoseProblem& problem, const SolverOptions& op
   const Mode& mode = modes.front();
   const Kept kept = keep(joint, mode);
   const Pose pose = from_centred(mode.cam_from_centred, joint.points);
-  const bool is_told = is_determined(joint, mode.weights, kFewestFromInitial);
-  if (!is_told || !is_valid(pose)) return estimate;
+  if (kept.numbers < 6 || !is_valid(pose)) return estimate;
 
   estimate.status = PoseStatus::kOk;
   estimate.cam_from_target = pose;
