@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <iterator>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <sstream>
@@ -60,10 +59,7 @@ BoundPlaces places_of(std::span<const Condition> conditions) {
   }
   if (places.x.size() == conditions.size()) {
     places.axis.label = key;
-    choose_scale(places.axis, places.x);
-    // An end for all that is on it: a power of ten may lie far below.
-    if (places.axis.is_log) places.axis.low = std::numeric_limits<double>::quiet_NaN();
-    if (places.axis.is_log && *std::ranges::min_element(places.x) <= 0) places.axis.is_log = false;
+    choose_sweep_scale(places.axis, places.x);
     std::stable_sort(places.order.begin(), places.order.end(),
                      [&](size_t a, size_t b) { return places.x[a] < places.x[b]; });
     return places;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -90,6 +91,14 @@ void choose_scale(ChartAxis& axis, std::span<const double> values) {
   if (!(most > kLogFactor * least)) return;
   axis.is_log = true;
   axis.low = std::pow(10, std::floor(std::log10(least)));
+}
+
+void choose_sweep_scale(ChartAxis& axis, std::span<const double> places) {
+  choose_scale(axis, places);
+  if (!axis.is_log) return;
+  // The axis finds its end itself: a power of ten may lie far below.
+  axis.low = std::numeric_limits<double>::quiet_NaN();
+  axis.is_log = std::ranges::all_of(places, [](double place) { return place > 0; });
 }
 
 void choose_y_scale(Chart& chart) {

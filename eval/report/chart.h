@@ -79,6 +79,10 @@ inline constexpr std::array<std::string_view, 5> kCellColours = {"#440154", "#3b
 /// as zero: they do not ask for anything, and lie under the axis where it is logarithmic.
 void choose_scale(ChartAxis& axis, std::span<const double> values);
 
+/// The same of the places that a sweep has on its axis, all of which must lie on it: logarithmic
+/// only where none of them is zero, and with ends for all.
+void choose_sweep_scale(ChartAxis& axis, std::span<const double> places);
+
 /// The same for a chart's y, from all that it draws.
 void choose_y_scale(Chart& chart);
 

@@ -96,10 +96,7 @@ void sort_by_x(SweepPanel& panel, const Study& study, const std::string& key) {
   std::stable_sort(panel.conditions.begin(), panel.conditions.end(),
                    [&](int a, int b) { return x_of(a) < x_of(b); });
   for (const int condition : panel.conditions) panel.x.push_back(x_of(condition));
-  choose_scale(panel.axis, panel.x);
-  // An end for all that is on it: a power of ten may lie far below.
-  if (panel.axis.is_log) panel.axis.low = std::numeric_limits<double>::quiet_NaN();
-  if (panel.axis.is_log && panel.x.front() <= 0) panel.axis.is_log = false;
+  choose_sweep_scale(panel.axis, panel.x);
 }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();

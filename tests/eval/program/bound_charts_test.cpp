@@ -59,6 +59,26 @@ TEST(BoundCharts, LieOverANumber) {
   EXPECT_THAT(charts[0].series[0].x, ElementsAre(0.5, 1));
 }
 
+TEST(BoundCharts, HaveAllPlacesOnTheirAxis) {
+  const auto is_log = [](std::vector<double> places) {
+    std::vector<Condition> conditions;
+    for (const double place : places) {
+      conditions.push_back(of_number("image.psf_sigma_px", place));
+    }
+    return charts_of(conditions)[0].x.is_log;
+  };
+  EXPECT_TRUE(is_log({0.01, 0.1, 1}));
+  EXPECT_FALSE(is_log({0, 0.01, 1})) << "zero has no place on a logarithmic axis";
+  EXPECT_FALSE(is_log({0.5, 1}));
+}
+
+// Two numbers that are no range from low to high are words.
+TEST(BoundCharts, TakeNoPairForARange) {
+  const auto charts = charts_of({of_word("camera.principal_point_px", "[256,200]"),
+                                 of_word("camera.principal_point_px", "[200,256]")});
+  EXPECT_THAT(charts[0].x.names, SizeIs(2));
+}
+
 // Words, numbers of given poses and two keys at once are no places on an axis of numbers.
 TEST(BoundCharts, LieBesideEachOtherOtherwise) {
   Condition of_two = of_number("image.psf_sigma_px", 1);
