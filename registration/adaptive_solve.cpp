@@ -36,15 +36,14 @@ double sd_of_median(double absolute_median) {
   return 1.4826 * absolute_median;
 }
 
-std::vector<double> weights_of(const BlockRows& rows, const Block& block, const Learning& learning,
-                               int image_width) {
+std::vector<double> weights_of(const BlockRows& rows, const Block& block,
+                               const Learning& learning) {
   std::vector<double> weights(static_cast<size_t>(block.stride), 0.0);
   const double variance =
       learning.pixel_variance * learning.blocks[static_cast<size_t>(block.id)].noise;
   const auto pixels = rows.pixels_of(block);
   for (size_t i = 0; i < pixels.size(); ++i) {
-    weights[i] =
-        learning.weight.at<float>(pixels[i] / image_width, pixels[i] % image_width) / variance;
+    weights[i] = learning.weights[static_cast<size_t>(pixels[i])] / variance;
   }
   return weights;
 }
@@ -115,6 +114,7 @@ void find_excess(const BlockRows& rows, const Learning& learning, Solution& solu
 double noise_excess(const std::vector<double>& residuals, double variance) {
   constexpr double kSlack = 3.3;  // sds of the square of a median of n normal numbers, root n
   std::vector<double> sizes;
+  sizes.reserve(residuals.size());
   for (const double residual : residuals) sizes.push_back(std::abs(residual));
   const double sd = sd_of_median(median(sizes));
   const double excess = sd * sd / variance;
@@ -132,7 +132,7 @@ Learning new_learning(const cv::Size& image, double pixel_variance) {
   Learning learning;
   learning.pixel_variance = pixel_variance;
   learning.blocks.resize(static_cast<size_t>(block_count(image)));
-  learning.weight = cv::Mat::ones(image, CV_32F);
+  learning.weights.assign(static_cast<size_t>(image.area()), 1.0F);
   return learning;
 }
 
@@ -157,14 +157,13 @@ ReducedBlock reduced(const double* gram, double inside_variance, double outside_
   return block;
 }
 
-Solution solve_rows(const BlockRows& rows, const Learning& learning, const PriorTerm& prior,
-                    int image_width) {
+Solution solve_rows(const BlockRows& rows, const Learning& learning, const PriorTerm& prior) {
   Solution solution;
   if (rows.blocks.empty()) return solution;
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(kUnknowns + 1, kUnknowns + 1);
   std::array<double, kColumns * kColumns> gram{};
   for (const Block& block : rows.blocks) {
-    const std::vector<double> weights = weights_of(rows, block, learning, image_width);
+    const std::vector<double> weights = weights_of(rows, block, learning);
     weighted_gram(rows.columns_of(block), block.stride, weights.data(), gram.data());
     solution.blocks.push_back(reduced(gram.data(), inside_variance(learning, block.id),
                                       outside_variance(learning, block.id)));
@@ -213,7 +212,7 @@ double robust_sd(const Solution& solution) {
   return sd_of_median(median(sizes));
 }
 
-void learn(const BlockRows& rows, const Solution& solution, int image_width, Learning& learning) {
+void learn(const BlockRows& rows, const Solution& solution, Learning& learning) {
   for (size_t b = 0; b < rows.blocks.size(); ++b) {
     const Block& block = rows.blocks[b];
     BlockLearning& learnt = learning.blocks[static_cast<size_t>(block.id)];
@@ -229,7 +228,7 @@ void learn(const BlockRows& rows, const Solution& solution, int image_width, Lea
     const auto pixels = rows.pixels_of(block);
     for (size_t i = 0; i < pixels.size(); ++i) {
       const double square = rest.residuals[i] * rest.residuals[i] / variance;
-      learning.weight.at<float>(pixels[i] / image_width, pixels[i] % image_width) =
+      learning.weights[static_cast<size_t>(pixels[i])] =
           static_cast<float>(std::min(1.0, (kNu + 1) / (kNu + square)));
     }
   }

@@ -26,7 +26,7 @@ struct Learning {
   double outside_sd = 3;  ///< of their own backgrounds
   double pixel_variance = 9;
   std::vector<BlockLearning> blocks;  ///< by id
-  cv::Mat weight;                     ///< CV_32F, of pixels, from Student's distribution
+  std::vector<float> weights;         ///< by pixel, y * width + x, from Student's distribution
 };
 
 /// Nothing learnt yet of an image of that size.
@@ -74,8 +74,7 @@ struct FitQuality {
 };
 
 /// Solves for the change, weights as learnt so far.
-Solution solve_rows(const BlockRows& rows, const Learning& learning, const PriorTerm& prior,
-                    int image_width);
+Solution solve_rows(const BlockRows& rows, const Learning& learning, const PriorTerm& prior);
 
 /// Of a solution that was found with these weights.
 FitQuality fit_quality(const BlockRows& rows, const Learning& learning, const Solution& solution);
@@ -85,6 +84,6 @@ double robust_sd(const Solution& solution);
 
 /// What the solution's residuals and deviations teach: Learning for the next solution. The sds grow
 /// by at most the factor 10, over-relaxed.
-void learn(const BlockRows& rows, const Solution& solution, int image_width, Learning& learning);
+void learn(const BlockRows& rows, const Solution& solution, Learning& learning);
 
 }  // namespace sightline

@@ -128,6 +128,10 @@ class EdgeFitter {
     return fit;
   }
 
+  double support_at(const Pose& pose) {
+    return edge_support(edges_, camera_, points_at(pose), pose);
+  }
+
  private:
   static constexpr double kSpacingPx = 0.5;  // of the places where the image is asked
 
@@ -252,7 +256,8 @@ class EdgeFitter {
 
 }  // namespace
 
-std::optional<EdgeFit> fit_edges(const GreyImage& image, const Mesh& mesh, const PosePrior& prior) {
+std::optional<EdgeFit> fit_edges(const GreyImage& image, const Mesh& mesh, const PosePrior& prior,
+                                 const std::optional<Pose>& guess) {
   constexpr size_t kFewest = 30;
   EdgeFitter fitter(image, mesh, prior);
   std::vector<EdgePoint> points = fitter.points_at(prior.cam_from_target);
@@ -262,7 +267,9 @@ std::optional<EdgeFit> fit_edges(const GreyImage& image, const Mesh& mesh, const
     const EdgeFit fit = fitter.fit(start);
     if (!best || fit.support > best->support) best = fit;
   }
-  if (best) best->drawings = fitter.drawings();
+  if (!best) return best;
+  if (guess) best->guess_support = fitter.support_at(*guess);
+  best->drawings = fitter.drawings();
   return best;
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLeastBlurVariance = 0.05, kMostBlurVariance = 9;  // px^2
 constexpr double kLeastDrawnBlurVariance = 0.04;
-constexpr double kSmallStepPx = 5e-3;  // of the sharp image
+constexpr double kSmallStepPx = 0.01;  // of the sharp image
 constexpr int kSharpRounds = 2;        // solutions of one linearisation
 
 GreyImage blurred_image(GreyImage image, double sigma_px) {
@@ -64,12 +64,12 @@ Fitter::Fitter(const Mesh& mesh, const PosePrior& prior, double noise_variance,
       radius_m_(radius_m(mesh)) {}
 
 // Draws the model at the state's pose and makes rows_ of it; false where nothing can be compared.
-bool Fitter::linearise(const FitLevel& level, BasisDrawer& drawer) {
+bool Fitter::linearise(const FitLevel& level, int samples, BasisDrawer& drawer) {
   const double own =
       std::max(kLeastDrawnBlurVariance, state_.blur_variance_px2) / (level.factor * level.factor);
   const double blur_px = std::sqrt(own + level.blur_px * level.blur_px);
   BasisOptions basis;
-  basis.samples_per_pixel = level.samples;
+  basis.samples_per_pixel = samples;
   basis.margin_px = margin_px(blur_px);
   if (state_.light) basis.to_light_in_cam = state_.light->segment<3>(1);
   const auto images = drawer.draw(state_.cam_from_target, basis);
@@ -135,15 +135,14 @@ bool Fitter::fit_blurred(const FitLevel& level, double deviation_sd) {
   constexpr double kFirstVariance = 100;
   constexpr double kLeastVariance = 4;
   constexpr double kVarianceOverSeen = 4;
-  constexpr double kSmallStep = 0.02;  // of the blur
+  constexpr double kSmallStep = 0.1;  // of the blur
   BasisDrawer drawer(mesh_, level.image.camera);
-  const cv::Size size = level.image.grey.size();
-  Learning learning = new_learning(size, kFirstVariance);
+  Learning learning = new_learning(level.image.grey.size(), kFirstVariance);
   learning.inside_sd = deviation_sd;
   learning.outside_sd = deviation_sd;
   for (int i = 0; i < level.most_steps; ++i) {
-    if (!linearise(level, drawer)) return false;
-    const Solution solution = solve_rows(rows_, learning, prior_term(false), size.width);
+    if (!linearise(level, level.samples, drawer)) return false;
+    const Solution solution = solve_rows(rows_, learning, prior_term(false));
     const double moved_px = apply(solution.change, false) * level.image.camera.fx_px;
     const double seen_sd = robust_sd(solution);
     learning.pixel_variance = std::max(kLeastVariance, kVarianceOverSeen * seen_sd * seen_sd);
@@ -153,23 +152,23 @@ bool Fitter::fit_blurred(const FitLevel& level, double deviation_sd) {
 }
 
 // Solves the linearisation at hand again and again, each time with better weights.
-Solution Fitter::solve_sharp(int image_width) {
+Solution Fitter::solve_sharp() {
   const PriorTerm prior = prior_term(true);
-  Solution solution = solve_rows(rows_, learning_, prior, image_width);
+  Solution solution = solve_rows(rows_, learning_, prior);
   for (int round = 1; round < kSharpRounds; ++round) {
-    learn(rows_, solution, image_width, learning_);
-    solution = solve_rows(rows_, learning_, prior, image_width);
+    learn(rows_, solution, learning_);
+    solution = solve_rows(rows_, learning_, prior);
   }
   return solution;
 }
 
 bool Fitter::fit_sharp(const FitLevel& level, Registration& out) {
+  constexpr int kFirstSamples = 4;  // the first step is never the last
   BasisDrawer drawer(mesh_, level.image.camera);
-  const cv::Size size = level.image.grey.size();
-  learning_ = new_learning(size, noise_variance_);
+  learning_ = new_learning(level.image.grey.size(), noise_variance_);
   for (int i = 0; i < level.most_steps; ++i) {
-    if (!linearise(level, drawer)) return false;
-    const Solution solution = solve_sharp(size.width);
+    if (!linearise(level, i == 0 ? kFirstSamples : level.samples, drawer)) return false;
+    const Solution solution = solve_sharp();
     const double moved_px = apply(solution.change, true) * level.image.camera.fx_px;
     const bool is_last = i + 1 == level.most_steps || (i > 0 && moved_px < kSmallStepPx);
     if (is_last) {
@@ -184,7 +183,7 @@ bool Fitter::fit_sharp(const FitLevel& level, Registration& out) {
       out.outside_sd = learning_.outside_sd;
       return true;
     }
-    learn(rows_, solution, size.width, learning_);
+    learn(rows_, solution, learning_);
   }
   return false;
 }
@@ -198,9 +197,8 @@ Matrix6d Fitter::camera_term(const FitLevel& level) {
     FitLevel seen = level;
     seen.image.camera = camera;
     BasisDrawer drawer(mesh_, camera);
-    if (!linearise(seen, drawer)) return std::nullopt;
-    const int width = level.image.grey.cols;
-    return Vector6d(solve_rows(rows_, learning_, prior_term(true), width).change.head<6>());
+    if (!linearise(seen, seen.samples, drawer)) return std::nullopt;
+    return Vector6d(solve_rows(rows_, learning_, prior_term(true)).change.head<6>());
   };
   const auto own = change_before(level.image.camera);
   const auto add = [&](double sd, auto move) {

@@ -46,10 +46,10 @@ class Fitter {
   Registration fit(const std::vector<FitLevel>& levels, const Pose& start, double blurred_sd);
 
  private:
-  bool linearise(const FitLevel& level, BasisDrawer& drawer);
+  bool linearise(const FitLevel& level, int samples, BasisDrawer& drawer);
   bool fit_blurred(const FitLevel& level, double deviation_sd);
   bool fit_sharp(const FitLevel& level, Registration& out);
-  Solution solve_sharp(int image_width);
+  Solution solve_sharp();
   PriorTerm prior_term(bool is_sharp) const;
   double apply(const Unknowns& change, bool is_sharp);
   Matrix6d camera_term(const FitLevel& level);

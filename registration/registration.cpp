@@ -18,7 +18,7 @@ namespace sightline {
 namespace {
 
 // Fits that look like the model at the wrong pose exceeded these; good ones of plain frames do not.
-constexpr double kMostClusterFactor = 2.5;
+constexpr double kMostClusterFactor = 1.5;
 constexpr double kMostLost = 0.002;
 // How far squares of blurred images may deviate from the model, grey levels: where the faces are
 // printed, the little that suits plain ones leads astray.
@@ -41,22 +41,33 @@ double share_left(const Matrix6d& covariance, const Matrix6d& prior) {
   return information ? (*information * covariance).trace() / 6 : 0;
 }
 
+// The prior's covariance, of which some axes may be known exactly.
+Matrix6d invertible(const PosePrior& prior) {
+  Matrix6d covariance = prior.covariance;
+  covariance.diagonal() += 1e-12 * covariance.diagonal() + Vector6d::Constant(1e-24);
+  return covariance;
+}
+
+bool is_allowed_by(const PosePrior& prior, const Pose& cam_from_target) {
+  // Six normal numbers have such a sum of squares once in a million times.
+  constexpr double kFarthest = 39;
+  const Vector6d moved = change_between(prior.cam_from_target, cam_from_target);
+  return mahalanobis2(moved, invertible(prior)) <= kFarthest;
+}
+
 // Why a fit is not to be believed whatever it looks like; empty where it may be.
 std::string contradiction(const Registration& fit, const RegistrationTask& task) {
   const PosePrior& prior = task.prior;
-  // Six normal numbers have such a sum of squares once in a million times.
-  constexpr double kFarthest = 39;
   // Of the prior's variances, on average: the image must say more than that.
   constexpr double kMostLeft = 0.5;
-  Matrix6d known = prior.covariance;
-  known.diagonal() += 1e-12 * known.diagonal() + Vector6d::Constant(1e-24);
-  const Vector6d moved = change_between(prior.cam_from_target, fit.cam_from_target);
-  if (mahalanobis2(moved, known) > kFarthest) return "the fit lies beyond what the prior allows";
+  if (!is_allowed_by(prior, fit.cam_from_target)) {
+    return "the fit lies beyond what the prior allows";
+  }
   // A prior as sharp as the image leaves it nothing to say.
   constexpr double kSharpPx = 0.5;
   const double px_per_m = task.camera.fx_px / prior.cam_from_target.translation.z();
   const bool is_sharp = std::sqrt(prior.covariance(3, 3)) * px_per_m < kSharpPx;
-  if (!is_sharp && share_left(fit.covariance, known) > kMostLeft) {
+  if (!is_sharp && share_left(fit.covariance, invertible(prior)) > kMostLeft) {
     return "the image says little more than the prior";
   }
   return {};
@@ -80,12 +91,14 @@ std::vector<Pose> other_starts(const PosePrior& prior) {
   return starts;
 }
 
-// Whether two fits are of one pose, as far as their covariances say.
+// Whether two fits are of one pose, as far as the surer of the two says: a fit that is far from the
+// model is sure of nothing, and would agree with any.
 bool agree(const Registration& a, const Registration& b) {
-  constexpr double kFarthest = 25;  // squared sds of both together, which share their noise
+  constexpr double kFarthest = 25;  // squared sds
   if (!a.is_ok() || !b.is_ok()) return false;
   const Vector6d difference = change_between(b.cam_from_target, a.cam_from_target);
-  return mahalanobis2(difference, a.covariance + b.covariance) < kFarthest;
+  return mahalanobis2(difference, a.covariance) < kFarthest &&
+         mahalanobis2(difference, b.covariance) < kFarthest;
 }
 
 // Fits from start to start until one looks like the model, or the best two agree.
@@ -106,14 +119,24 @@ class Trials {
     return looks_like_model(best_) || (is_agreed_ && !is_alien(best_));
   }
 
+  // Whether other starts may lead to a better fit: not where two agree, nor where faces are printed.
+  bool may_improve() const {
+    return !best_.is_ok() || (!is_agreed_ && best_.lost <= kAlienLost);
+  }
+
   bool is_best_alien() const { return !best_.is_ok() || is_alien(best_); }
+
+  // The best fit's pose; none where no start led anywhere.
+  std::optional<Pose> pose() const {
+    return best_.is_ok() ? std::optional(best_.cam_from_target) : std::nullopt;
+  }
 
   // What edges say of an image that does not look like the model: they confirm the fit of grey
   // levels, which is the finer one, or their own pose is the answer.
   Registration result(const RegistrationTask& task, const EdgeFit& edges) const {
     Registration out = counted();
     out.drawings += edges.drawings;
-    if (!is_confirmed_by(edges)) {
+    if (!is_confirmed_by(edges, task.prior)) {
       out.cam_from_target = edges.cam_from_target;
       out.covariance = edges.covariance;
       out.status = RegistrationStatus::kOk;
@@ -138,9 +161,14 @@ class Trials {
     out.reason = reason;
   }
 
-  bool is_confirmed_by(const EdgeFit& edges) const {
+  // Whether edges have nothing against the fit of grey levels: they lie where it does, or support
+  // it nearly as much as their own. Right fits have at least 0.97 of that, fits of print at most
+  // 0.75, but where the outline is the same again, which is for the prior to tell.
+  bool is_confirmed_by(const EdgeFit& edges, const PosePrior& prior) const {
     constexpr double kFarthest = 25;  // squared sds
-    return best_.is_ok() &&
+    constexpr double kNearlyAsMuch = 0.9;
+    if (!best_.is_ok() || !is_allowed_by(prior, best_.cam_from_target)) return false;
+    return edges.guess_support >= kNearlyAsMuch * edges.support ||
            mahalanobis2(change_between(edges.cam_from_target, best_.cam_from_target),
                         edges.covariance) < kFarthest;
   }
@@ -194,15 +222,19 @@ Registration register_mesh(const RegistrationTask& task, const RegistrationOptio
   if (trials.take(fitter.fit(levels, task.prior.cam_from_target, kLooseSd))) {
     return trials.result(task);
   }
-  if (trials.is_best_alien()) {
-    if (const auto edges = fit_edges(image, task.mesh, task.prior)) {
-      return trials.result(task, *edges);
+  if (trials.may_improve()) {
+    bool is_loose = false;
+    for (const Pose& start : other_starts(task.prior)) {
+      if (trials.take(fitter.fit(levels, start, is_loose ? kLooseSd : kTightSd))) {
+        return trials.result(task);
+      }
+      is_loose = !is_loose;
     }
   }
-  bool is_loose = false;
-  for (const Pose& start : other_starts(task.prior)) {
-    if (trials.take(fitter.fit(levels, start, is_loose ? kLooseSd : kTightSd))) break;
-    is_loose = !is_loose;
+  if (trials.is_best_alien()) {
+    if (const auto edges = fit_edges(image, task.mesh, task.prior, trials.pose())) {
+      return trials.result(task, *edges);
+    }
   }
   return trials.result(task);
 }

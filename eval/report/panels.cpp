@@ -43,11 +43,12 @@ Values swept_values(const Study& study) {
 // The key of numbers with the most values; empty where there is none.
 std::string axis_key(const Study& study, const Values& values) {
   std::string best;
-  for (const auto& [key, of_key] : values) {
+  for (const auto& of_key : values) {
+    const std::string& key = of_key.first;
     const bool is_number = std::all_of(study.conditions.begin(), study.conditions.end(),
                                        [&](const Condition& c) { return c.values.contains(key); });
     if (key == kGivenPose || !is_number) continue;
-    if (best.empty() || of_key.size() > values.at(best).size()) best = key;
+    if (best.empty() || of_key.second.size() > values.at(best).size()) best = key;
   }
   return best;
 }

@@ -31,11 +31,11 @@ inline Lanes load(const double* from) {
 
 /// (sum a, sum b, sum c, sum d).
 inline Lanes lane_sums(const Lanes& a, const Lanes& b, const Lanes& c, const Lanes& d) {
-  const Lanes ab = __builtin_shuffle(a, b, Mask{0, 4, 2, 6}) +  //
-                   __builtin_shuffle(a, b, Mask{1, 5, 3, 7});
-  const Lanes cd = __builtin_shuffle(c, d, Mask{0, 4, 2, 6}) +  //
-                   __builtin_shuffle(c, d, Mask{1, 5, 3, 7});
-  return __builtin_shuffle(ab, cd, Mask{0, 1, 4, 5}) + __builtin_shuffle(ab, cd, Mask{2, 3, 6, 7});
+  const Lanes ab =
+      __builtin_shufflevector(a, b, 0, 4, 2, 6) + __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const Lanes cd =
+      __builtin_shufflevector(c, d, 0, 4, 2, 6) + __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  return __builtin_shufflevector(ab, cd, 0, 1, 4, 5) + __builtin_shufflevector(ab, cd, 2, 3, 6, 7);
 }
 
 inline bool is_any(const Mask& m) {

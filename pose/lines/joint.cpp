@@ -38,7 +38,7 @@ void add_points(const PoseProblem& problem, Joint& joint) {
       joint.ignored.push_back(static_cast<int>(i));
       continue;
     }
-    joint.observed.emplace_back(point->index, false, joint.points.size(), 2);
+    joint.observed.push_back({point->index, false, joint.points.size(), 2});
     joint.points.points_in_centred.push_back(point->x_in_target);
     joint.points.pixels.push_back(point->pixel);
     joint.point_weights.push_back(weight_of(problem, *point));
@@ -54,7 +54,7 @@ void add_lines(const PoseProblem& problem, Joint& joint) {
       joint.ignored_lines.push_back(index);
       continue;
     }
-    joint.observed.emplace_back(index, true, joint.edges.size(), static_cast<int>(points->size()));
+    joint.observed.push_back({index, true, joint.edges.size(), static_cast<int>(points->size())});
     joint.edges.insert(joint.edges.end(), points->begin(), points->end());
   }
 }

@@ -131,8 +131,8 @@ TEST(P3p, LengthOfRaysUnitAndOrderDoNotMatter) {
     Three rays = s.rays_in_cam;
     for (auto& x : points) x *= 1e6;
     for (auto& ray : rays) ray *= draw.uniform(0.1, 100);
-    std::ranges::rotate(points, points.begin() + 1);
-    std::ranges::rotate(rays, rays.begin() + 1);
+    std::rotate(points.begin(), points.begin() + 1, points.end());
+    std::rotate(rays.begin(), rays.begin() + 1, rays.end());
     double best = kInfinity;
     const P3pPoses poses = p3p(points, rays);
     for (Pose pose : poses.all()) {

@@ -152,7 +152,8 @@ bool only_weighs(const PoseSolver& solver) {
 void check_estimate(const Recipe& r, const PoseProblem& problem, const PoseSolver& solver,
                     const PoseEstimate& e) {
   RC_ASSERT(bool(is_free_of_nan(e)));
-  RC_ASSERT(!e.covariance || e.covariance->allFinite());
+  // In brackets: the macro looks at both sides of an `||` that it sees.
+  RC_ASSERT((!e.covariance || e.covariance->allFinite()));
   const double probability = e.diagnosis.value_or(Diagnosis{}).removed_probability.value_or(1);
   RC_ASSERT(probability >= 0 && probability <= 1);
   RC_ASSERT(std::ranges::is_sorted(e.removed));
