@@ -119,10 +119,9 @@ class Trials {
     return looks_like_model(best_) || (is_agreed_ && !is_alien(best_));
   }
 
-  // Whether other starts may lead to a better fit: not where two agree, nor where faces are printed.
-  bool may_improve() const {
-    return !best_.is_ok() || (!is_agreed_ && best_.lost <= kAlienLost);
-  }
+  // Whether other starts may lead to a better fit: not where two agree, nor where faces are
+  // printed.
+  bool may_improve() const { return !best_.is_ok() || (!is_agreed_ && best_.lost <= kAlienLost); }
 
   bool is_best_alien() const { return !best_.is_ok() || is_alien(best_); }
 

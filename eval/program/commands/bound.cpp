@@ -1,9 +1,13 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <fstream>
 #include <iostream>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -30,6 +34,28 @@ struct BoundArguments {
   StudyOverrides overrides;
 };
 
+bool is_bare_word(std::string_view text) {
+  constexpr std::array<std::string_view, 4> kValues = {"true", "false", "inf", "nan"};
+  const auto is_of_word = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  };
+  return !text.empty() && std::isalpha(static_cast<unsigned char>(text.front())) != 0 &&
+         std::ranges::all_of(text, is_of_word) && std::ranges::find(kValues, text) == kValues.end();
+}
+
+// Bare words between commas in the quotes that TOML wants, as --set takes a bare word.
+std::string with_quoted_words(std::string_view values) {
+  std::string out;
+  while (true) {
+    const size_t comma = values.find(',');
+    const std::string_view value = values.substr(0, comma);
+    out += is_bare_word(value) ? fmt::format("\"{}\"", value) : std::string(value);
+    if (comma == std::string_view::npos) return out;
+    out += ',';
+    values.remove_prefix(comma + 1);
+  }
+}
+
 // --over KEY=v1,v2,... is a sweep of that key.
 std::string sweep_of(const std::string& over) {
   const size_t equals = over.find('=');
@@ -37,7 +63,8 @@ std::string sweep_of(const std::string& over) {
     throw InputError(fmt::format(
         "--over is \"{}\", must be KEY=VALUE,VALUE,... such as image.psf_sigma_px=0.5,1", over));
   }
-  return fmt::format("sweep.\"{}\"=[{}]", over.substr(0, equals), over.substr(equals + 1));
+  return fmt::format("sweep.\"{}\"=[{}]", over.substr(0, equals),
+                     with_quoted_words(std::string_view(over).substr(equals + 1)));
 }
 
 void write_csv(const std::string& name, const std::vector<ImageBoundRow>& rows) {

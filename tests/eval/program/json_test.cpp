@@ -119,6 +119,12 @@ TEST_F(ProgramJson, OfABoundHasARowForEachValueOfAKey) {
   }
 }
 
+TEST_F(ProgramJson, OfABoundHasARowForEachWord) {
+  const Json told = printed("bound boeing-random --scenes 1 --over background.kind=uniform,stars");
+  ASSERT_EQ(told["conditions"].size(), 2u);
+  EXPECT_THAT(told["conditions"][1]["condition"].get<std::string>(), HasSubstr("stars"));
+}
+
 TEST_F(ProgramJson, OfListsHasTheirNames) {
   const Json all = printed("list");
   EXPECT_EQ(all.size(), 5u);

@@ -70,9 +70,8 @@ TEST(RegistrationRows, ReachWhatTheImageAllows) {
 // One trial's registration from the prior.
 EstimateRecord laid_from_prior(const std::string& name, uint64_t seed, int trial,
                                std::vector<std::string> settings) {
-  settings.insert(settings.end(),
-                  {"sweep={}", "extraction.registration=image",
-                   "extraction.registration_start=prior"});
+  settings.insert(settings.end(), {"sweep={}", "extraction.registration=image",
+                                   "extraction.registration_start=prior"});
   const Study study = read_study(name, {.trials = trial + 1, .seed = seed, .set = settings});
   Renderer renderer;
   return *find_estimate(run_trial(study, trial, renderer).record, "registration_image");
