@@ -184,8 +184,8 @@ TEST_F(KeypointTarget, IsEvaluatedOnASetWithNothingPredictedHidden) {
   Renderer renderer;
   int hidden_by_mesh = 0, hidden = 0, found = 0, clutter = 0, solved = 0;
   for (int i = 0; i < 6; ++i) {
-    for (const ObservationRecord& observation :
-         run_trial(mesh, i, renderer).record.observations()) {
+    const TrialRecord of_mesh = run_trial(mesh, i, renderer).record;
+    for (const ObservationRecord& observation : of_mesh.observations()) {
       hidden_by_mesh += observation.status == ObservationOutcome::kHidden ? 1 : 0;
     }
     const TrialRecord record = run_trial(points, i, renderer).record;
