@@ -12,7 +12,7 @@
 #include "eval/datasets/bop/layout.h"
 #include "eval/datasets/bop/numbered.h"
 #include "eval/datasets/conventions.h"
-#include "eval/datasets/model_file.h"
+#include "eval/datasets/ply_reader.h"
 #include "eval/output/json.h"
 #include "scenes/files/input_error.h"
 #include "scenes/files/input_file.h"

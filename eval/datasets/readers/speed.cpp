@@ -15,7 +15,7 @@
 #include <fmt/ranges.h>
 
 #include "eval/datasets/conventions.h"
-#include "eval/datasets/model_file.h"
+#include "eval/datasets/ply_reader.h"
 #include "eval/datasets/set_readers.h"
 #include "eval/datasets/speed/layout.h"
 #include "eval/output/json.h"
