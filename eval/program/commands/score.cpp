@@ -108,6 +108,8 @@ void print_notes(const BopDataset& dataset, const std::vector<Method>& methods) 
   for (const Method& method : methods) {
     const std::string failed = failed_rows(method.estimates);
     if (!failed.empty()) std::cerr << fmt::format("sightline: {}: {}\n", method.file, failed);
+    const std::string units = note_on_units(dataset, method.estimates, method.scores);
+    if (!units.empty()) std::cerr << fmt::format("sightline: {}: {}\n", method.file, units);
     if (method.scores.ignored_estimates == 0) continue;
     std::cerr << fmt::format(
         "sightline: {}{} estimates are of nothing that is asked for, or more than are\n",

@@ -240,10 +240,18 @@ TEST(MaskRuns, AreColumnByColumn) {
   ASSERT_EQ(read.size(), cv::Size(3, 2));
   const cv::Mat expected = (cv::Mat_<uint8_t>(2, 3) << 0, 255, 0, 255, 0, 0);
   EXPECT_EQ(cv::countNonZero(read != expected), 0);
+  // As COCO's API packs 1, 2, 3 and 6, 40, 2, 12, 1000: three as they are, then -28 and 998.
+  EXPECT_EQ(cv::countNonZero(mask(R"({"size": [2, 3], "counts": "123"})") != expected), 0);
+  const std::string size = R"({"size": [53, 20], "counts": )";
+  const cv::Mat long_runs = mask(size + R"("6X12TOVo0"})");
+  ASSERT_EQ(long_runs.size(), cv::Size(20, 53));
+  EXPECT_EQ(cv::countNonZero(long_runs != mask(size + "[6, 40, 2, 12, 1000]}")), 0);
   EXPECT_TRUE(MaskRuns(folder.path() / "m.json").mask(0).empty());
   for (const char* bad :
        {R"({"size": [2, 3], "counts": [1, 2, 2]})", R"({"size": [2, 3], "counts": [1, 2, 4]})",
         R"({"size": [2, 3], "counts": [-1, 7]})", R"({"size": [2, 3], "counts": "PYQ"})",
+        R"({"size": [2, 3], "counts": "12"})", R"({"size": [2, 3], "counts": "1 23"})",
+        R"({"size": [2, 3], "counts": "1oooooooooooooooo0"})",
         R"({"size": [90000, 90000], "counts": [8100000000]})", R"({"size": [2], "counts": []})",
         R"({"size": [2, 3], "counts": [18446744073709551615, 7]})"}) {
     EXPECT_TRUE(mask(bad).empty()) << bad;

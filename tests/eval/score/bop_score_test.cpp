@@ -110,6 +110,20 @@ TEST(BopScore, TheMostVisibleInstancesAreAskedFor) {
   EXPECT_EQ(summarise(score_bop(dataset, std::array{estimate(0, 0)}, 15)).ar_mssd.value, 0);
 }
 
+TEST(BopScore, OfEstimatesInAnotherUnitAreNotedAsSuch) {
+  const BopDataset dataset = cubes(2);
+  const auto note = [&](double factor_of_first, double factor_of_second) {
+    std::vector<BopEstimate> estimates = {estimate(0, 10), estimate(1, 10)};
+    estimates[0].cam_from_model.translation *= factor_of_first;
+    estimates[1].cam_from_model.translation *= factor_of_second;
+    return note_on_units(dataset, estimates, score_bop(dataset, estimates, 15));
+  };
+  EXPECT_THAT(note(1e-3, 1e-3), HasSubstr("all estimates are over 100 times nearer or farther"));
+  EXPECT_THAT(note(1e3, 1e3), HasSubstr("t must be in mm"));
+  EXPECT_EQ(note(1e-3, 0.5), "");
+  EXPECT_EQ(note_on_units(dataset, {}, score_bop(dataset, {}, 15)), "");
+}
+
 TEST(BopScore, EstimatesOfWhatIsNotAskedForAreIgnored) {
   std::vector<BopEstimate> estimates{estimate(0, 0), estimate(7, 0), estimate(0, 0)};
   estimates[2].obj_id = 2;
