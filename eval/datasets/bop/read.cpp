@@ -16,6 +16,7 @@
 #include "eval/datasets/bop/layout.h"
 #include "eval/datasets/bop/scenes.h"
 #include "eval/datasets/conventions.h"
+#include "eval/datasets/pictures.h"
 #include "eval/output/json.h"
 #include "eval/output/numbers.h"
 #include "scenes/files/input_error.h"
@@ -372,6 +373,11 @@ BopDataset read_bop_dataset(const fs::path& folder, const std::string& split,
   require_any_in_front(folder, dataset);
   for (const auto& [obj_id, model] : dataset.models) note_diameter(obj_id, model, dataset.notes);
   set_sizes(camera, dataset);
+  std::vector<fs::path> pictures;
+  for (const BopImage& image : dataset.images) pictures.push_back(bop_picture(image));
+  std::erase(pictures, fs::path());
+  const std::string note = note_on_links(folder, pictures);
+  if (!note.empty()) dataset.notes.push_back(note);
   return dataset;
 }
 

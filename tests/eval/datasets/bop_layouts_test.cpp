@@ -15,6 +15,7 @@
 
 #include "eval/datasets/bop/mask_runs.h"
 #include "eval/datasets/bop/read.h"
+#include "eval/datasets/pictures.h"
 #include "eval/datasets/set_frame.h"
 #include "eval/datasets/sightings.h"
 #include "scenes/picture/picture_file.h"
@@ -229,6 +230,46 @@ TEST_F(OtherLayouts, OfFilesImageByImageAreReadOnceAnImage) {
   EXPECT_FALSE(read_set_frame(target, 8, sightings.at(1), files).problem);
   EXPECT_EQ(read_set_frame(target, 8, first, files).problem, EstimateOutcome::kPictureUnreadable)
       << "that of the last image alone is kept";
+}
+
+TEST(LinksOfASet, AreSaidWhereTheyLeadOutOfIt) {
+  const TemporaryFolder folder;
+  const fs::path set = folder.path() / "set", outside = folder.path() / "outside";
+  for (const fs::path& made : {set / "rgb", set / "store", outside}) fs::create_directories(made);
+  folder.write("set/rgb/0.png", "");
+  folder.write("set/store/1", "");
+  folder.write("outside/2.png", "");
+  fs::create_symlink("../store/1", set / "rgb/1.png");
+  const std::vector<fs::path> own = {set / "rgb/0.png", set / "rgb/1.png", set / "rgb/none.png"};
+  EXPECT_EQ(note_on_links(set, own), "");
+  fs::create_directory_symlink(set, folder.path() / "link");
+  EXPECT_EQ(note_on_links(folder.path() / "link", {{folder.path() / "link/rgb/0.png"}}), "")
+      << "the set itself may be behind one";
+
+  fs::create_symlink(outside / "2.png", set / "rgb/2.png");
+  std::vector<fs::path> with_others = own;
+  with_others.push_back(set / "rgb/2.png");
+  EXPECT_THAT(note_on_links(set, with_others),
+              HasSubstr("set: a picture lies behind links out of the set, the first of which is " +
+                        fs::canonical(outside / "2.png").string()));
+  fs::create_directory_symlink(outside, set / "gray");
+  with_others.push_back(set / "gray/2.png");
+  EXPECT_THAT(note_on_links(set, with_others), HasSubstr("2 pictures lie behind links out of"));
+}
+
+TEST_F(OtherLayouts, OfPicturesElsewhereAreReadWithALineThatSaysSo) {
+  write_imagewise("");
+  const fs::path set = folder_.path() / "set";
+  fs::create_directory(set);
+  for (const auto& entry : fs::directory_iterator(folder_.path())) {
+    if (entry.is_regular_file()) fs::create_symlink(entry.path(), set / entry.path().filename());
+  }
+  SightingSource source;
+  source.folder = set;
+  const SightedSet seen = read_sightings(source, load_target("cube"));
+  EXPECT_THAT(seen.notes, testing::Contains(HasSubstr("behind links out of the set")));
+  source.folder = folder_.path();
+  EXPECT_THAT(read_sightings(source, load_target("cube")).notes, testing::IsEmpty());
 }
 
 TEST(MaskRuns, AreColumnByColumn) {

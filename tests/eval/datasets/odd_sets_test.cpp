@@ -464,6 +464,13 @@ TEST_F(OddSet, NeedsNoCameraOfAnImageThatShowsNothing) {
   EXPECT_THAT(error(), HasSubstr("scene_camera.json: has no image 7"));
 }
 
+TEST_F(OddSet, SaysWhichPicturesItHasThroughLinks) {
+  fs::rename(scene() / "rgb", folder_.path() / "elsewhere");
+  fs::create_directory_symlink(folder_.path() / "elsewhere", scene() / "rgb");
+  EXPECT_THAT(dataset().notes,
+              ElementsAre(HasSubstr("3 pictures lie behind links out of the set")));
+}
+
 TEST_F(OddSet, HasPicturesInWebP) {
   fs::rename(scene() / "rgb/000000.png", scene() / "rgb/000000.webp");
   EXPECT_EQ(bop_picture(dataset().images[0]).filename(), "000000.webp");
