@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "eval/datasets/conventions.h"
+#include "eval/datasets/pictures.h"
 #include "eval/datasets/ply_reader.h"
 #include "eval/datasets/set_readers.h"
 #include "eval/datasets/speed/layout.h"
@@ -85,6 +86,9 @@ ScoredSet read_speed(const SetReader& reader, const SightingSource& source) {
                     "is of",
                     sighting.picture.string()));
   }
+  const std::string note =
+      note_on_links(source.folder, std::vector<fs::path>(pictures.begin(), pictures.end()));
+  if (!note.empty()) set.dataset.notes.push_back(note);
   return set;
 }
 
