@@ -81,5 +81,25 @@ TEST_F(ReceivedRun, HasNothingWrittenThroughItsLinks) {
   EXPECT_FALSE(fs::is_empty(figures));
 }
 
+// A report shows the manifest: not any JSON of the user's that a link leads to.
+TEST_F(ReceivedRun, ShowsNoManifestThatALinkLeadsTo) {
+  const std::string path = folder_.path().string();
+  ASSERT_EQ(run(fmt::format("study cube-outliers --quiet --trials 2 --set 'solvers=[\"lspe\"]' "
+                            "--out {}/run",
+                            path))
+                .exit_code,
+            0);
+  const fs::path manifest = path + "/run/manifest.json";
+  const auto page = [&](const fs::path& at) {
+    std::ofstream(at) << R"({"token": "hunter2"})";
+    EXPECT_EQ(run("report " + path + "/run").exit_code, 0);
+    return read_whole(path + "/run/report.html");
+  };
+  EXPECT_THAT(page(manifest), HasSubstr("hunter2"));
+  fs::remove(manifest);
+  fs::create_symlink(path + "/secret.json", manifest);
+  EXPECT_THAT(page(path + "/secret.json"), testing::Not(HasSubstr("hunter2")));
+}
+
 }  // namespace
 }  // namespace sightline
