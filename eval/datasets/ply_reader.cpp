@@ -32,21 +32,42 @@ namespace {
 constexpr int kMostHeaderLines = 10'000;
 constexpr std::string_view kAxes = "xyz";
 
-struct PlyProperty {
-  std::string name;
-  std::string type;
-  std::string count_type;  // of a list; else empty
-
-  bool is_list() const { return !count_type.empty(); }
-  bool has_corners() const {
-    return is_list() && (name == "vertex_indices" || name == "vertex_index");
-  }
-  // The place among x, y and z; none of another property.
-  std::optional<Eigen::Index> axis() const {
-    if (is_list() || name.size() != 1 || kAxes.find(name) == kAxes.npos) return std::nullopt;
-    return static_cast<Eigen::Index>(kAxes.find(name));
-  }
+// How a number is written in a binary file.
+struct PlyType {
+  enum class Kind { kReal, kSigned, kUnsigned };
+  Kind kind = Kind::kSigned;
+  size_t bytes = 0;  // none of what is no type
 };
+
+PlyType ply_type(const std::string& name) {
+  using Kind = PlyType::Kind;
+  const bool is_real = name.starts_with('f') || name.starts_with('d');
+  const Kind whole = name.starts_with('u') ? Kind::kUnsigned : Kind::kSigned;
+  return {is_real ? Kind::kReal : whole, bytes_of_ply_type(name)};
+}
+
+struct PlyProperty {
+  PlyType type;
+  std::optional<PlyType> count{};      // of a list
+  std::optional<Eigen::Index> axis{};  // of x, y and z
+  bool has_corners = false;
+
+  bool is_known() const { return type.bytes > 0 && (!count || count->bytes > 0); }
+};
+
+PlyProperty ply_list(const std::string& name, PlyType count, PlyType type) {
+  return {.type = type,
+          .count = count,
+          .has_corners = name == "vertex_indices" || name == "vertex_index"};
+}
+
+PlyProperty ply_number(const std::string& name, PlyType type) {
+  PlyProperty property{.type = type};
+  if (name.size() == 1 && kAxes.find(name) != kAxes.npos) {
+    property.axis = static_cast<Eigen::Index>(kAxes.find(name));
+  }
+  return property;
+}
 
 struct PlyElement {
   std::string name;
@@ -58,13 +79,19 @@ struct PlyElement {
 };
 
 // A number of a binary file from its bytes as memory has them.
-double number_from(const std::array<char, 8>& bytes, const std::string& type, size_t size) {
+double number_from(const std::array<char, 8>& bytes, PlyType type) {
   uint64_t bits = 0;
-  std::memcpy(&bits, bytes.data(), size);
-  if (type.starts_with('d') || type == "float64") return std::bit_cast<double>(bits);
-  if (type.starts_with('f')) return std::bit_cast<float>(static_cast<uint32_t>(bits));
-  if (type.starts_with('u')) return static_cast<double>(bits);
-  const size_t unused = 64 - 8 * size;
+  std::memcpy(&bits, bytes.data(), type.bytes);
+  const size_t unused = 64 - 8 * type.bytes;
+  switch (type.kind) {
+    case PlyType::Kind::kReal:
+      return type.bytes == 8 ? std::bit_cast<double>(bits)
+                             : std::bit_cast<float>(static_cast<uint32_t>(bits));
+    case PlyType::Kind::kUnsigned:
+      return static_cast<double>(bits);
+    case PlyType::Kind::kSigned:
+      break;
+  }
   return static_cast<double>(static_cast<int64_t>(bits << unused) >> unused);
 }
 
@@ -125,9 +152,10 @@ class PlyReader {
   bool is_taken(const std::vector<std::string>& words) {
     if (words.size() < 3) return false;
     if (words[0] == "format") {
-      format_ = words[1];
-      return format_ == "ascii" || format_ == "binary_little_endian" ||
-             format_ == "binary_big_endian";
+      has_format_ = true;
+      is_text_ = words[1] == "ascii";
+      is_big_endian_ = words[1] == "binary_big_endian";
+      return is_text_ || is_big_endian_ || words[1] == "binary_little_endian";
     }
     if (words[0] == "element") {
       elements_.push_back({.name = words[1], .properties = {}});
@@ -137,20 +165,19 @@ class PlyReader {
     if (words[0] != "property" || elements_.empty()) return false;
     const bool is_list = words[1] == "list";
     if (words.size() < (is_list ? 5u : 3u)) return false;
-    const PlyProperty property =
-        is_list ? PlyProperty{words[4], words[3], words[2]} : PlyProperty{words[2], words[1], ""};
-    elements_.back().properties.push_back(property);
-    return bytes_of_ply_type(property.type) > 0 &&
-           (!is_list || bytes_of_ply_type(property.count_type) > 0);
+    elements_.back().properties.push_back(
+        is_list ? ply_list(words[4], ply_type(words[2]), ply_type(words[3]))
+                : ply_number(words[2], ply_type(words[1])));
+    return elements_.back().properties.back().is_known();
   }
 
   void check_header() const {
-    if (format_.empty()) fail("cannot be read as a PLY mesh: its header states no format");
+    if (!has_format_) fail("cannot be read as a PLY mesh: its header states no format");
     for (const PlyElement& element : elements_) {
       if (!element.is_of_vertices()) continue;
       std::array<int, 3> times{};
       for (const PlyProperty& property : element.properties) {
-        if (property.axis()) ++times[static_cast<size_t>(*property.axis())];
+        if (property.axis) ++times[static_cast<size_t>(*property.axis)];
       }
       if (times != std::array{1, 1, 1}) fail("its vertices must have each of x, y and z once");
     }
@@ -166,11 +193,11 @@ class PlyReader {
       begin_row(element);
       Eigen::Vector3d place;
       for (const PlyProperty& property : element.properties) {
-        if (property.is_list()) {
+        if (property.count) {
           read_list(element, property, corners);
         } else {
           const double number = next_number(element, property.type);
-          if (const auto axis = property.axis()) place[*axis] = number;
+          if (property.axis) place[*property.axis] = number;
         }
       }
       if (element.is_of_vertices()) add_vertex(place);
@@ -181,20 +208,20 @@ class PlyReader {
   // What another list than a face's corners holds is forgotten.
   void read_list(const PlyElement& element, const PlyProperty& property,
                  std::vector<double>& corners) {
-    const double count = next_number(element, property.count_type);
+    const double count = next_number(element, *property.count);
     if (!(count >= 0) || count != std::floor(count)) {
       fail(fmt::format("a row of '{}' has a list of {} numbers", element.name, count));
     }
-    if (property.has_corners()) corners.clear();
+    if (property.has_corners) corners.clear();
     for (double i = 0; i < count; ++i) {
       const double number = next_number(element, property.type);
-      if (property.has_corners()) corners.push_back(number);
+      if (property.has_corners) corners.push_back(number);
     }
   }
 
   // In a text each row is a line, behind whose numbers may stand what the header does not tell of.
   void begin_row(const PlyElement& element) {
-    if (format_ != "ascii") return;
+    if (!is_text_) return;
     do {
       if (!read_bounded_line(*stream_, line_)) fail_as_cut_short(element);
       if (line_.size() > kLongestLine)
@@ -208,8 +235,8 @@ class PlyReader {
     rest_.remove_prefix(std::min(rest_.find_first_not_of(kBlanks), rest_.size()));
   }
 
-  double next_number(const PlyElement& element, const std::string& type) {
-    return format_ == "ascii" ? next_of_line(element) : next_of_bytes(element, type);
+  double next_number(const PlyElement& element, PlyType type) {
+    return is_text_ ? next_of_line(element) : next_of_bytes(element, type);
   }
 
   double next_of_line(const PlyElement& element) {
@@ -224,17 +251,14 @@ class PlyReader {
     return *number;
   }
 
-  double next_of_bytes(const PlyElement& element, const std::string& type) {
-    const size_t size = bytes_of_ply_type(type);
-    std::array<char, 8> bytes{};
-    if (stream_->rdbuf()->sgetn(bytes.data(), static_cast<std::streamsize>(size)) !=
-        static_cast<std::streamsize>(size)) {
-      fail_as_cut_short(element);
-    }
+  double next_of_bytes(const PlyElement& element, PlyType type) {
     static_assert(std::endian::native == std::endian::little,
                   "numbers are read as memory has them");
-    if (format_ == "binary_big_endian") std::reverse(bytes.begin(), bytes.begin() + size);
-    return number_from(bytes, type, size);
+    std::array<char, 8> bytes{};
+    const auto size = static_cast<std::streamsize>(type.bytes);
+    if (stream_->rdbuf()->sgetn(bytes.data(), size) != size) fail_as_cut_short(element);
+    if (is_big_endian_) std::reverse(bytes.begin(), bytes.begin() + size);
+    return number_from(bytes, type);
   }
 
   [[noreturn]] void fail_as_cut_short(const PlyElement& element) const {
@@ -269,7 +293,9 @@ class PlyReader {
 
   std::filesystem::path file_;
   std::unique_ptr<std::istream> stream_;
-  std::string format_;
+  bool has_format_ = false;
+  bool is_text_ = false;
+  bool is_big_endian_ = false;
   std::vector<PlyElement> elements_;
   std::string line_;
   std::string_view rest_;  // of it
