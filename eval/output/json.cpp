@@ -73,7 +73,8 @@ void append_numbers(const Json& json, const std::string& key, std::vector<double
 }
 
 [[noreturn]] void fail_as_no(const char* kind, const std::string& key, const Json& value) {
-  throw InputError(fmt::format("{} is {}, must be {}", key, value.dump().substr(0, 40), kind));
+  const std::string given = value.is_null() ? "null or NaN" : value.dump().substr(0, 40);
+  throw InputError(fmt::format("{} is {}, must be {}", key, given, kind));
 }
 
 std::vector<double> numbers_of(const Json& array, const std::string& what, size_t count) {

@@ -112,8 +112,11 @@ void print_notes(const BopDataset& dataset, const std::vector<Method>& methods) 
     if (!units.empty()) std::cerr << fmt::format("sightline: {}: {}\n", method.file, units);
     if (method.scores.ignored_estimates == 0) continue;
     std::cerr << fmt::format(
-        "sightline: {}{} estimates are of nothing that is asked for, or more than are\n",
-        methods.size() > 1 ? method.name + ": " : "", method.scores.ignored_estimates);
+        "sightline: {}{} of nothing that is asked for, or more than are\n",
+        methods.size() > 1 ? method.name + ": " : "",
+        method.scores.ignored_estimates == 1
+            ? "1 estimate is"
+            : fmt::format("{} estimates are", method.scores.ignored_estimates));
   }
   const BopScores& scores = methods.front().scores;
   const std::string vsd_note = note_on_vsd(scores);

@@ -357,6 +357,7 @@ TEST_F(OddSet, IsRefusedInWordsOfOurs) {
   EXPECT_THAT(truth_with(R"({"0": [{"obj_id": 1.5}]})"),
               HasSubstr("obj_id is 1.5, must be a whole"));
   EXPECT_THAT(truth_with(R"({"0": [{"obj_id": 1}]})"), HasSubstr("has no 'cam_R_m2c'"));
+  EXPECT_THAT(truth_with(R"({"0": [{"obj_id": NaN}]})"), HasSubstr("obj_id is null or NaN, must"));
   EXPECT_THAT(truth_with("{\n \"0\": [}"), HasSubstr("is no JSON at line 2, column 8"));
   for (const std::string text : {"[]", "3", "{\"x\": []}", "{\"0\": 7}", "{\"0\": [7]}"}) {
     EXPECT_THAT(truth_with(text), AllOf(HasSubstr("scene_gt.json: "), Not(HasSubstr("json.exc"))));
