@@ -86,27 +86,18 @@ std::vector<Pose> symmetries_of(const Json& info) {
   return poses;
 }
 
-bool has_models(const fs::path& folder) {
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (input_ending(entry.path()) == ".ply") return true;
-  }
-  return false;
-}
-
 // Where a set has its models. Some have them several times, as drawn (models_cad) and as scanned
 // (models_reconst), and some of those alone.
 fs::path models_folder(const fs::path& set) {
+  for (const std::string_view name : {bop::kEvaluatedModelsFolder, bop::kModelsFolder}) {
+    if (fs::is_directory(set / name)) return set / name;
+  }
   std::set<fs::path> others;
   for (const auto& entry : fs::directory_iterator(set)) {
-    if (entry.path().filename().string().starts_with(bop::kModelsFolder)) {
-      others.insert(entry.path());
-    }
+    const bool is_one = entry.path().filename().string().starts_with(bop::kModelsFolder);
+    if (is_one && entry.is_directory()) others.insert(entry.path());
   }
-  std::vector<fs::path> folders = {set / bop::kEvaluatedModelsFolder, set / bop::kModelsFolder};
-  folders.insert(folders.end(), others.begin(), others.end());
-  const auto found = std::find_if(folders.begin(), folders.end(), has_models);
-  return found == folders.end() ? set / bop::kModelsFolder : *found;
+  return others.empty() ? set / bop::kModelsFolder : *others.begin();
 }
 
 BopModel read_model(const fs::path& file) {
@@ -145,8 +136,7 @@ std::vector<Pose> bop_symmetries(const std::string& info) {
 }
 
 fs::path bop_models_info(const fs::path& set) {
-  for (const fs::path& folder :
-       {models_folder(set), set / bop::kModelsFolder, set / bop::kEvaluatedModelsFolder}) {
+  for (const fs::path& folder : {models_folder(set), set / bop::kModelsFolder}) {
     fs::path file = plain_or_packed(folder / bop::kModelsInfoFile);
     if (fs::exists(file)) return file;
   }

@@ -284,7 +284,6 @@ TEST_F(OddSet, TakesModelsInfoOfModelsWhereModelsEvalHasNone) {
   const std::string rows = row(0, turned) + row(1, turned) + row(2, turned);
   EXPECT_EQ(recall(rows), 1);
   fs::create_directories(set() / "models_eval");
-  EXPECT_EQ(recall(rows), 1) << "no models are in it";
   write("models_eval/obj_000001.ply", ply_bytes(cube()));
   EXPECT_EQ(recall(rows), 1);
   EXPECT_EQ(bop_model_facts(set(), 1).symmetries.poses.size(), 2u);
