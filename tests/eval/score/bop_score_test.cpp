@@ -203,6 +203,22 @@ TEST_F(ScoreProgram, GivesTheTruthOfOurOwnSetsFullMarksAndMetresNone) {
   EXPECT_THAT(read_whole(path("metres/report.html")), HasSubstr("Average recall: 0.000"));
 }
 
+TEST_F(ScoreProgram, NotesNamesThatWouldSteerATerminalInPlainLines) {
+  render_set();
+  write_truth("mm.csv", 1);
+  const fs::path copy = path("set/test/\x1b[31m\nred");
+  fs::copy(path("set/test/000000"), copy, fs::copy_options::recursive);
+  fs::remove(path("set/test_targets_bop19.json"));
+  for (const Outcome& outcome :
+       {score("mm.csv", "--quiet --out " + path("scores")),
+        run("evaluate " + path("set") + " --target cube --solvers lspe --quiet --out " +
+            path("run"))}) {
+    EXPECT_THAT(outcome.output, HasSubstr("not read as scenes, whose names are numbers: "));
+    EXPECT_EQ(outcome.output.find('\x1b'), std::string::npos) << outcome.output;
+    EXPECT_EQ(outcome.output.find("\nred"), std::string::npos) << outcome.output;
+  }
+}
+
 TEST_F(ScoreProgram, SaysInALineWhatIsWrong) {
   render_set();
   write_truth("mm.csv", 1);
