@@ -6,30 +6,18 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
-#include <exception>
 #include <string_view>
 #include <vector>
 
-#include <CGAL/IO/PLY.h>
-#include <CGAL/Simple_cartesian.h>
 #include <fmt/format.h>
 
 #include "eval/datasets/conventions.h"
-#include "scenes/files/input_error.h"
-#include "scenes/files/input_file.h"
-#include "scenes/files/pauses.h"
 #include "scenes/mesh/textures.h"
 
 namespace sightline {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "PLY is written as memory has it");
-
-using Point = CGAL::Simple_cartesian<double>::Point_3;
-
-[[noreturn]] void fail(const std::filesystem::path& file, const char* reason) {
-  throw InputError(fmt::format("{}: {}", file.string(), reason));
-}
 
 template <typename Value>
 void append(std::string& bytes, const Value& value) {
@@ -150,41 +138,6 @@ std::string coloured_ply_bytes(const Mesh& mesh) {
   }
   append_faces(bytes, mesh);
   return bytes;
-}
-
-Mesh read_ply_as_it_is(const std::filesystem::path& file) {
-  const auto stream = open_input_file(file, kMostModelBytes);
-  std::vector<Point> points;
-  std::vector<std::vector<size_t>> faces;
-  bool is_read = false;
-  try {
-    is_read = CGAL::IO::read_PLY(*stream, points, faces, CGAL::parameters::verbose(false));
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::exception&) {  // it is no promise of the reader that there is none
-    is_read = false;
-  }
-  if (!is_read || points.empty()) fail(file, "cannot be read as a PLY mesh");
-  Mesh mesh;
-  mesh.parts.push_back({.name = file.stem().string()});
-  for (const Point& point : points) {
-    pause_at_times();
-    mesh.vertices.emplace_back(point.x(), point.y(), point.z());
-    if (!mesh.vertices.back().allFinite()) fail(file, "a vertex is not a finite number");
-  }
-  for (const std::vector<size_t>& face : faces) {
-    pause_at_times();
-    for (size_t i = 2; i < face.size(); ++i) {
-      Triangle triangle;
-      const size_t corners[] = {face[0], face[i - 1], face[i]};
-      for (int corner = 0; corner < 3; ++corner) {
-        if (corners[corner] >= points.size()) fail(file, "a face has a vertex that is not there");
-        triangle.vertex[corner] = static_cast<int>(corners[corner]);
-      }
-      mesh.triangles.push_back(triangle);
-    }
-  }
-  return mesh;
 }
 
 }  // namespace sightline

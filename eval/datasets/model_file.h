@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include <Eigen/Core>
@@ -21,11 +20,5 @@ std::string coloured_ply_bytes(const Mesh& mesh);
 
 /// A vertex as that PLY has it.
 Eigen::Vector3f ply_vertex_mm(const Eigen::Vector3d& vertex_m);
-
-/// The vertices of a PLY file, in its order and unit, none welded, dropped or added, with the faces
-/// as triangles. `read_mesh` (scenes/mesh/mesh_io.h), which cleans, would change the means over
-/// vertices that BOP's errors are. Throws InputError for a file that cannot be read or has no
-/// vertices.
-Mesh read_ply_as_it_is(const std::filesystem::path& file);
 
 }  // namespace sightline

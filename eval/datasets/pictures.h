@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include <opencv2/core/mat.hpp>
@@ -23,5 +24,11 @@ cv::Mat read_grey_picture(const std::filesystem::path& file);
 
 /// The grey of a picture as it was read; empty of one that has none.
 cv::Mat grey_of(const cv::Mat& picture);
+
+/// A line on those pictures of a set that lie behind links out of its folder: sets are often made
+/// of links, which are followed, but what is not of the set is then shown in reports. Empty where
+/// there are none.
+std::string note_on_links(const std::filesystem::path& set,
+                          std::span<const std::filesystem::path> pictures);
 
 }  // namespace sightline

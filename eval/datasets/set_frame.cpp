@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/datasets/set_frame.h"
 
+#include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include <fmt/format.h>
+#include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "eval/datasets/pictures.h"
@@ -46,12 +50,35 @@ cv::Mat SetFiles::picture(const std::filesystem::path& file) {
 
 cv::Mat SetFiles::visible_mask(const Sighting& sighting) {
   const std::filesystem::path& file = sighting.visible_mask;
-  if (input_ending(file) != ".json") return read_grey_picture(file);
+  if (input_ending(file) != ".json") {
+    if (mask_.empty() || file != mask_file_) {
+      mask_ = read_grey_picture(file);
+      mask_file_ = file;
+    }
+    return mask_;
+  }
   if (!masks_ || file != masks_file_) {
     masks_.emplace(file);
     masks_file_ = file;
   }
   return masks_->mask(sighting.gt_id);
+}
+
+std::string note_on_bits(std::span<const Sighting> sightings, int bits) {
+  constexpr int kUnused = 4;
+  for (const Sighting& sighting : sightings) {
+    const cv::Mat grey = read_grey_picture(sighting.picture);
+    if (grey.empty()) continue;
+    double brightest = 0;
+    cv::minMaxLoc(grey, nullptr, &brightest);
+    const int used = std::bit_width(static_cast<unsigned>(brightest));
+    if (grey.depth() != CV_16U || brightest == 0 || bits - used < kUnused) return "";
+    return fmt::format(
+        "{}: has 16 bits and no grey level over {}, where white is taken to be {}: if white is "
+        "less, say --set dataset.bits={}",
+        sighting.picture.string(), brightest, (1 << bits) - 1, std::max(used, 8));
+  }
+  return "";
 }
 
 SetFrame read_set_frame(const std::shared_ptr<const Target>& target, int bits,

@@ -13,6 +13,7 @@
 #include "eval/datasets/bop/numbered.h"
 #include "eval/datasets/bop/results_csv.h"
 #include "eval/datasets/conventions.h"
+#include "eval/datasets/pictures.h"
 #include "eval/datasets/set_readers.h"
 #include "scenes/files/input_error.h"
 #include "scenes/picture/picture_file.h"
@@ -293,6 +294,10 @@ SightedSet read_sightings(const SightingSource& source,
     sighting.image = fs::relative(sighting.picture, source.folder).string();
     sighting.cam_from_target = cam_from_target(sighting.cam_from_target, set.target_from_model);
   }
+  std::vector<fs::path> pictures;
+  for (const Sighting& sighting : set.sightings) pictures.push_back(sighting.picture);
+  const std::string note = note_on_links(source.folder, pictures);
+  if (!note.empty()) set.notes.push_back(note);
   if (!source.priors.empty()) give_priors(source, set);
   require_any_in_image(source, set, target);
   return set;

@@ -17,6 +17,7 @@
 
 #include "eval/datasets/bop/results_csv.h"
 #include "eval/datasets/conventions.h"
+#include "eval/datasets/picture_names.h"
 #include "eval/datasets/speed/results_csv.h"
 #include "eval/output/csv_reader.h"
 #include "eval/output/numbers.h"
@@ -80,25 +81,19 @@ GivenEstimates read_bop(const EstimateSource& source, const SightedSet* set) {
 
 // ---- ESA's challenges
 
-// The sightings by their picture's name.
-std::map<std::string, const Sighting*> by_file_name(const SightedSet& set) {
-  std::map<std::string, const Sighting*> by_name;
-  for (const Sighting& sighting : set.sightings) {
-    by_name[sighting.picture.filename().string()] = &sighting;
-  }
-  return by_name;
-}
-
 GivenEstimates read_speed(const EstimateSource& source, const SightedSet* set) {
   if (set == nullptr) {
     throw InputError(fmt::format("{}: names pictures by their files, which only a data set has",
                                  source.file.string()));
   }
-  const auto sightings = by_file_name(*set);
+  PictureNames sightings;
+  for (size_t i = 0; i < set->sightings.size(); ++i) {
+    sightings.add(set->sightings[i].picture, static_cast<int>(i));
+  }
   GivenEstimates by_trial;
   for (const SpeedEstimate& estimate : read_speed_results(source.file)) {
-    const auto found = sightings.find(estimate.picture);
-    if (found == sightings.end()) {
+    const std::optional<int> found = sightings.find(estimate.picture, source.file.string());
+    if (!found) {
       throw InputError(fmt::format("{}: line {} is about '{}', which the set does not have",
                                    source.file.string(), estimate.line, estimate.picture));
     }
@@ -106,7 +101,7 @@ GivenEstimates read_speed(const EstimateSource& source, const SightedSet* set) {
     if (!estimate.problem.empty()) given.outcome = EstimateOutcome::kNotRigid;
     given.cam_from_target = {estimate.cam_from_model.rotation * set->target_from_model.transpose(),
                              estimate.cam_from_model.translation};
-    const Sighting& sighting = *found->second;
+    const Sighting& sighting = set->sightings[static_cast<size_t>(*found)];
     by_trial.emplace(TrialKey{sighting.scene_id, sighting.im_id, sighting.gt_id}, given);
   }
   return by_trial;

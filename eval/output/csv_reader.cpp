@@ -3,10 +3,9 @@
 #include "eval/output/csv_reader.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -69,11 +68,12 @@ std::optional<double> finite_number(std::string_view text) {
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
+// Of "+3" and "3.0" as well, as others write what is whole.
 std::optional<int> whole_number_of(std::string_view text) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  const auto value = finite_number(text);
+  const bool is_whole =
+      value && *value == std::trunc(*value) && std::abs(*value) <= std::numeric_limits<int>::max();
+  return is_whole ? std::optional(static_cast<int>(*value)) : std::nullopt;
 }
 
 std::vector<std::string_view> words_of(std::string_view text) {

@@ -73,7 +73,8 @@ void append_numbers(const Json& json, const std::string& key, std::vector<double
 }
 
 [[noreturn]] void fail_as_no(const char* kind, const std::string& key, const Json& value) {
-  throw InputError(fmt::format("{} is {}, must be {}", key, value.dump().substr(0, 40), kind));
+  const std::string given = value.is_null() ? "null or NaN" : value.dump().substr(0, 40);
+  throw InputError(fmt::format("{} is {}, must be {}", key, given, kind));
 }
 
 std::vector<double> numbers_of(const Json& array, const std::string& what, size_t count) {
@@ -173,13 +174,13 @@ const Json& value_in(const Json& json, const std::string& key) {
 
 int whole_in(const Json& json, const std::string& key) {
   const Json& value = value_in(json, key);
-  constexpr int64_t kMost = std::numeric_limits<int>::max();
-  if (!value.is_number_integer()) fail_as_no("a whole number", key, value);
-  const bool fits = value.is_number_unsigned()
-                        ? value.get<uint64_t>() <= static_cast<uint64_t>(kMost)
-                        : value.get<int64_t>() >= -kMost && value.get<int64_t>() <= kMost;
-  if (!fits) fail_as_no("a whole number below 2^31", key, value);
-  return value.get<int>();
+  constexpr int kMost = std::numeric_limits<int>::max();
+  // 3.0 is whole as well, as Python takes it.
+  const double number =
+      value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+  if (number != std::trunc(number)) fail_as_no("a whole number", key, value);
+  if (std::abs(number) > kMost) fail_as_no("a whole number below 2^31", key, value);
+  return static_cast<int>(number);
 }
 
 double number_in(const Json& json, const std::string& key) {

@@ -4,6 +4,7 @@
 // The program `sightline`: reads the command line and calls what does the work.
 #include <algorithm>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <string>
 #include <string_view>
@@ -136,6 +137,10 @@ int main(int argc, char** argv) {
     return kInterruptedExit;
   } catch (const std::bad_alloc&) {
     std::cerr << "sightline: out of memory\n";
+    return kInputErrorExit;
+  } catch (const std::filesystem::filesystem_error& error) {  // such as links in a circle
+    const std::string reason = error.path1().string() + ": " + error.code().message();
+    std::cerr << "sightline: " << sightline::in_one_line(reason) << '\n';
     return kInputErrorExit;
   } catch (const std::exception& error) {
     std::cerr << "sightline: " << sightline::in_one_line(error.what()) << '\n';

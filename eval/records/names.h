@@ -168,7 +168,7 @@ Enum from_string(std::string_view text) {
     if (names[i] == text) return static_cast<Enum>(i);
     known.append(i == 0 ? "" : ", ").append(names[i]);
   }
-  throw UnknownName("'" + std::string(text) + "' is none of " + known);
+  throw UnknownName("'" + std::string(text.substr(0, 40)) + "' is none of " + known);
 }
 
 }  // namespace sightline

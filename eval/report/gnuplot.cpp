@@ -220,6 +220,7 @@ std::string write_figures(const fs::path& folder, std::span<const Chart> charts)
     throw InputError(fmt::format("{}: cannot be written ({})", folder.string(), error.message()));
   }
   for (const Chart& chart : charts) {
+    fs::remove(folder / (chart.id + ".svg"), error);  // gnuplot would write through a link
     write_file(folder / (chart.id + ".dat"), gnuplot_data(chart));
     write_file(folder / (chart.id + ".gp"), gnuplot_script(chart));
   }

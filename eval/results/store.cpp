@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <string_view>
 #include <utility>
 
 #include <SQLiteCpp/SQLiteCpp.h>
@@ -57,6 +59,32 @@ void make_empty_file(const std::filesystem::path& file) {
     throw InputError(fmt::format("{}: cannot be created ({})", file.string(), strerror(errno)));
   }
   std::fclose(handle);
+}
+
+// A journal of several databases ends with the path of a file that SQLite reads, and removes, when
+// it rolls the journal back (https://sqlite.org/fileformat2.html, "the super-journal"): any file at
+// all, in a folder of others. Runs of ours change one database at a time and leave none. Nor is a
+// pipe waited for.
+void require_own_journals(const std::filesystem::path& file) {
+  std::error_code error;
+  const std::string real = std::filesystem::canonical(file, error).string();
+  for (const char* ending : {"-journal", "-wal", "-shm"}) {
+    const std::filesystem::path beside = real + ending;
+    const auto type = std::filesystem::symlink_status(beside, error).type();
+    if (type == std::filesystem::file_type::not_found) continue;
+    if (type == std::filesystem::file_type::regular) continue;
+    throw InputError(fmt::format("{}: must be a file, or not be there", beside.string()));
+  }
+  constexpr std::string_view kMagic = "\xd9\xd5\x05\xf9\x20\xa1\x63\xd7";
+  std::ifstream journal(real + "-journal", std::ios::binary);
+  std::string end(kMagic.size(), '\0');
+  journal.seekg(-static_cast<std::streamoff>(end.size()), std::ios::end);
+  if (!journal.read(end.data(), static_cast<std::streamsize>(end.size())) || end != kMagic) return;
+  throw InputError(
+      fmt::format("{}-journal: is of several databases, which no run leaves, and names a file that "
+                  "SQLite would "
+                  "remove: to read the run, remove the journal instead",
+                  real));
 }
 
 void write_schema(SQLite::Database& database, const std::map<std::string, std::string>& meta) {
@@ -144,6 +172,7 @@ Store Store::open(const std::filesystem::path& file) {
     const bool exists = std::filesystem::exists(file);
     throw InputError(fmt::format("{}: {}", file.string(), exists ? "not a file" : "no such file"));
   }
+  require_own_journals(file);
   return on_file(file, "cannot be read", [&] {
     auto impl = std::make_unique<Impl>(file);
     check_schema(impl->database, file);
@@ -152,6 +181,10 @@ Store Store::open(const std::filesystem::path& file) {
 }
 
 void Store::add(std::span<const TrialRecord> trials) {
+  if (std::filesystem::is_symlink(impl_->file)) {
+    throw InputError(
+        fmt::format("{}: is a link, which nothing is written through", impl_->file.string()));
+  }
   on_file(impl_->file, "cannot be written", [&] {
     SQLite::Transaction transaction(impl_->database);
     bring_up_to_date(impl_->database);

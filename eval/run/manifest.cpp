@@ -13,6 +13,7 @@
 #include "eval/output/json.h"
 #include "eval/output/output_folder.h"
 #include "eval/output/plain_text.h"
+#include "scenes/mesh/mesh_folder.h"
 
 namespace sightline {
 namespace {
@@ -48,6 +49,7 @@ nlohmann::json manifest_of(const Study& study, const std::string& command) {
 }
 
 nlohmann::json read_manifest(const fs::path& run) {
+  if (!is_inside(run, run / kManifestFile)) return nlohmann::json::value_t::discarded;
   try {
     return read_json(run / kManifestFile);
   } catch (const InputError&) {

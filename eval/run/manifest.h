@@ -17,7 +17,8 @@ namespace sightline {
 /// What a run of the study has in its manifest from its beginning; `command` is the line as typed.
 nlohmann::json manifest_of(const Study& study, const std::string& command);
 
-/// The manifest in a run's folder; a discarded value where it cannot be read.
+/// The manifest in a run's folder; a discarded value where it cannot be read, or is a link out of
+/// the folder: a report shows all that it holds.
 nlohmann::json read_manifest(const std::filesystem::path& run);
 
 void write_manifest(const nlohmann::json& manifest, const std::filesystem::path& run);

@@ -88,6 +88,18 @@ void require_every_trial(const Study& study, const Store& store, const ShardFold
                                trial % shards, shards));
 }
 
+// Does something with the trials of all shards. What is wrong with one of them is said of that
+// shard and not of the copy that is removed.
+template <typename Action>
+auto blaming_shards(const Study& study, const std::vector<fs::path>& shards, const Action& action) {
+  try {
+    return action();
+  } catch (const InputError&) {
+    for (const fs::path& shard : shards) summarise_store(study, Store::open(shard / kStoreFile));
+    throw;
+  }
+}
+
 // What a merge that was killed left: copies of what the shards hold.
 bool is_begun_merge(const OutputFolder& folder) {
   const fs::path store = folder / kStoreFile;
@@ -107,14 +119,17 @@ RunResult merge_runs(const std::vector<fs::path>& shards, const fs::path& out,
   meta["gl"] = found.meta.at("gl");
   meta[kMergedKey] = fmt::to_string(found.folder_of.size());
   Store store = Store::create(folder / kStoreFile, meta);
-  for (const fs::path& shard : shards) {
-    stop_if_interrupted();
-    store.add_all_of(shard / kStoreFile);
-  }
+  blaming_shards(study, shards, [&] {
+    for (const fs::path& shard : shards) {
+      stop_if_interrupted();
+      store.add_all_of(shard / kStoreFile);
+    }
+  });
   require_every_trial(study, store, found);
   nlohmann::json manifest = manifest_of(study, command);
   manifest["shard"] = fmt::format("merged from {}", found.folder_of.size());
-  const RunResult result = write_results(study, store, manifest, folder.staging());
+  const RunResult result = blaming_shards(
+      study, shards, [&] { return write_results(study, store, manifest, folder.staging()); });
   write_file(folder / "study.toml", study.toml);
   write_manifest(manifest, folder.staging());
   folder.commit();

@@ -72,7 +72,10 @@ RunResult write_results(const Study& study, const Store& store, const nlohmann::
   stop_if_interrupted();
   const ReportInput input{study, result.summary, trials, frames, as_texts(manifest)};
   write_file(folder / kReportFile, render_report(input));
-  result.figures_note = write_figures(folder / "figures", report_charts(input));
+  const fs::path figures = folder / "figures";
+  std::error_code error;
+  if (fs::is_symlink(figures)) fs::remove(figures, error);  // nothing is written through a link
+  result.figures_note = write_figures(figures, report_charts(input));
   return result;
 }
 

@@ -39,12 +39,13 @@ std::vector<size_t> counting_estimates(std::vector<size_t> of_object, size_t cou
   return of_object;
 }
 
-// The depth of an image; none where it is missing, torn, no such picture, or not of the width of
-// the image's own.
+// The depth of an image; none where it is missing, torn, no such picture, or not of the size of the
+// image's own.
 std::optional<cv::Mat> depth_of(const BopImage& image) {
   if (image.depth_file.empty()) return std::nullopt;
   cv::Mat depth = read_picture(image.depth_file);
   if (depth.channels() != 1 || depth.cols != image.width_px) return std::nullopt;
+  if (image.height_px > 0 && depth.rows != image.height_px) return std::nullopt;
   return depth;
 }
 
@@ -332,6 +333,9 @@ BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> esti
     }
     tick();
   }
+  if (scores.images_without_depth == static_cast<int>(dataset.images.size())) {
+    scores.has_vsd = false;  // zero would be told of what nobody could measure
+  }
   return scores;
 }
 
@@ -339,14 +343,38 @@ std::string note_on_vsd(const BopScores& scores) {
   if (!scores.has_faces) {
     return "a model of the data set has points and no faces, so there is no VSD and no AR";
   }
-  if (!scores.has_vsd) {
+  if (!scores.has_vsd && scores.images_without_depth == 0) {
     return "the data set has images without depth, so there is no VSD and no AR";
+  }
+  if (!scores.has_vsd) {
+    return "the depth of all images is of another size than they or cannot be read, so there is no "
+           "VSD and no AR";
   }
   if (scores.images_without_depth == 0) return "";
   return fmt::format(
-      "the depth of {} of the images is missing, of another width or cannot be read, and what they "
+      "the depth of {} of the images is missing, of another size or cannot be read, and what they "
       "ask for counts as missed by VSD",
       scores.images_without_depth);
+}
+
+std::string note_on_units(const BopDataset& dataset, std::span<const BopEstimate> estimates,
+                          const BopScores& scores) {
+  constexpr double kFar = 100;  // a unit's mistake is a factor of 1000
+  bool is_any_chosen = false;
+  for (const BopTarget& target : scores.targets) {
+    if (!target.chosen) continue;
+    is_any_chosen = true;
+    const BopPair& pair = target.pairs[*target.chosen];
+    const double estimated_mm = estimates[pair.estimate].cam_from_model.translation.norm();
+    const double true_mm =
+        dataset.images[target.image].instances[pair.instance].cam_from_model.translation.norm();
+    if (estimated_mm < kFar * true_mm && true_mm < kFar * estimated_mm) return "";
+  }
+  if (!is_any_chosen) return "";
+  return fmt::format(
+      "all estimates are over {:g} times nearer or farther than the truth (t must be "
+      "in mm in BOP, in m in SPEED+)",
+      kFar);
 }
 
 BopSummary summarise(const BopScores& scores) {

@@ -72,7 +72,7 @@ struct BopScores {
   /// or cannot be read, while others' can, is missed by VSD.
   bool has_vsd = true;
   bool has_faces = true;         ///< every object has faces
-  int images_without_depth = 0;  ///< where has_vsd
+  int images_without_depth = 0;  ///< where some have it
   bool has_models = true;        ///< every object has vertices
 };
 
@@ -139,6 +139,10 @@ struct ScoredResults {
   std::span<const BopEstimate> estimates;
   const BopScores& scores;
 };
+
+/// A line where no estimate is at a distance like the true one, as in another unit; else empty.
+std::string note_on_units(const BopDataset& dataset, std::span<const BopEstimate> estimates,
+                          const BopScores& scores);
 
 BopSummary summarise(const BopScores& scores);
 /// The same of each object's targets.

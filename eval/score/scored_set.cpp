@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/score/scored_set.h"
 
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -9,7 +10,8 @@
 #include <fmt/format.h>
 
 #include "eval/datasets/conventions.h"
-#include "eval/datasets/model_file.h"
+#include "eval/datasets/pictures.h"
+#include "eval/datasets/ply_reader.h"
 #include "eval/datasets/set_readers.h"
 #include "eval/datasets/speed/layout.h"
 #include "eval/datasets/speed/results_csv.h"
@@ -64,6 +66,7 @@ ScoredSet read_speed(const SetReader& reader, const SightingSource& source) {
   ScoredSet set;
   set.dataset.models[kObject] = speed_model(reading.model_file);
   const int width_px = width_of_first(reading.sightings);
+  std::set<fs::path> pictures;
   for (const Sighting& sighting : reading.sightings) {
     BopImage& image = set.dataset.images.emplace_back();
     image.folder = source.folder;
@@ -76,21 +79,27 @@ ScoredSet read_speed(const SetReader& reader, const SightingSource& source) {
          .cam_from_model = {pose.rotation, kMillimetresPerMetre * pose.translation},
          .has_pose = sighting.problem != EstimateOutcome::kNoTruth});
     image.targets[kObject] = 1;
-    set.im_id_of_picture[sighting.picture.filename().string()] = sighting.im_id;
+    set.im_id_of_picture.add(sighting.picture, sighting.im_id);
+    if (pictures.insert(sighting.picture.lexically_normal()).second) continue;
+    throw InputError(
+        fmt::format("{}: is listed twice, so that nobody knows which pose an estimate "
+                    "is of",
+                    sighting.picture.string()));
   }
+  const std::string note =
+      note_on_links(source.folder, std::vector<fs::path>(pictures.begin(), pictures.end()));
+  if (!note.empty()) set.dataset.notes.push_back(note);
   return set;
 }
 
-// An estimate as BOP's are, by its picture's number; `where` names its row for errors.
-BopEstimate bop_estimate(const std::string& where, const SpeedEstimate& estimate,
+// An estimate as BOP's are, by its picture's number; that of a picture which the set has not is of
+// no image.
+BopEstimate bop_estimate(const fs::path& file, const SpeedEstimate& estimate,
                          const ScoredSet& set) {
-  const auto image = set.im_id_of_picture.find(estimate.picture);
-  if (image == set.im_id_of_picture.end()) {
-    throw InputError(fmt::format("{}: the set has no picture '{}'", where, estimate.picture));
-  }
+  constexpr int kNoImage = -1;
   const Pose& pose = estimate.cam_from_model;
   return {.scene_id = 0,
-          .im_id = image->second,
+          .im_id = set.im_id_of_picture.find(estimate.picture, file.string()).value_or(kNoImage),
           .obj_id = kObject,
           .score = 1,
           .cam_from_model = {pose.rotation, kMillimetresPerMetre * pose.translation},
@@ -98,36 +107,44 @@ BopEstimate bop_estimate(const std::string& where, const SpeedEstimate& estimate
           .problem = estimate.problem};
 }
 
-std::vector<BopEstimate> read_speed_list(const fs::path& file, const ScoredSet& set) {
-  std::vector<BopEstimate> estimates;
+std::vector<SpeedEstimate> read_speed_list(const fs::path& file) {
+  std::vector<SpeedEstimate> estimates;
   std::set<std::string> seen;
   with_json(file, [&](const Json& list) {
     for (const Json& entry : list) {
-      const std::string where = fmt::format("element {}", estimates.size());
       const std::vector<double> q =
           numbers_or_nan_in(entry, first_key_in(entry, speed::kAttitudes), 4);
       const std::vector<double> r_m =
           numbers_or_nan_in(entry, first_key_in(entry, speed::kPositions), 3);
       SpeedEstimate estimate;
-      estimate.picture = fs::path(text_in(entry, speed::kPicture)).filename().string();
+      estimate.picture = text_in(entry, speed::kPicture);
       estimate.line = static_cast<int>(estimates.size());
       set_pose({q[0], q[1], q[2], q[3]}, {r_m[0], r_m[1], r_m[2]}, estimate);
       if (!seen.insert(estimate.picture).second) {
-        throw InputError(fmt::format("{} names a picture that was named before", where));
+        throw InputError(fmt::format("element {} names a picture that was named before: {}",
+                                     estimates.size(), estimate.picture));
       }
-      estimates.push_back(bop_estimate(where, estimate, set));
+      estimates.push_back(std::move(estimate));
     }
+    if (estimates.empty()) throw InputError("has no estimates");
   });
   return estimates;
 }
 
-std::vector<BopEstimate> read_speed_csv(const fs::path& file, const ScoredSet& set) {
-  std::vector<BopEstimate> estimates;
-  for (const SpeedEstimate& estimate : read_speed_results(file)) {
-    estimates.push_back(
-        bop_estimate(fmt::format("{}: line {}", file.string(), estimate.line), estimate, set));
+std::vector<BopEstimate> of_set(const fs::path& file, const ScoredSet& set,
+                                const std::vector<SpeedEstimate>& estimates) {
+  std::vector<BopEstimate> of_set;
+  std::map<int, std::string> named;
+  for (const SpeedEstimate& estimate : estimates) {
+    of_set.push_back(bop_estimate(file, estimate, set));
+    const int im_id = of_set.back().im_id;
+    if (im_id < 0 || named.emplace(im_id, estimate.picture).second) continue;
+    throw InputError(fmt::format("{}: has two estimates of one picture, as {} and as {}",
+                                 file.string(), named.at(im_id), estimate.picture));
   }
-  return estimates;
+  if (!named.empty()) return of_set;
+  throw InputError(fmt::format("{}: the set has none of its pictures, the first of which is '{}'",
+                               file.string(), estimates.front().picture));
 }
 
 }  // namespace
@@ -158,7 +175,7 @@ std::vector<BopEstimate> read_estimates(const fs::path& file, const ScoredSet& s
         file.string()));
   }
   if (is_of_bop) return read_bop_results(file);
-  return is_list ? read_speed_list(file, set) : read_speed_csv(file, set);
+  return of_set(file, set, is_list ? read_speed_list(file) : read_speed_results(file));
 }
 
 }  // namespace sightline

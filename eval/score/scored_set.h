@@ -6,20 +6,19 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <vector>
 
 #include "eval/datasets/bop/read.h"
 #include "eval/datasets/bop/results_csv.h"
+#include "eval/datasets/picture_names.h"
 
 namespace sightline {
 
 struct ScoredSet {
   BopDataset dataset;
-  /// Of SPEED+: which image a picture is. It knows images by their pictures' names, of which BOP
-  /// has several alike.
-  std::map<std::string, int> im_id_of_picture;
+  /// Of SPEED+, which knows images by their pictures' names: which image a picture is.
+  PictureNames im_id_of_picture;
   bool is_speed() const { return !im_id_of_picture.empty(); }
 };
 
@@ -33,7 +32,8 @@ ScoredSet read_scored_set(const std::filesystem::path& folder, const std::string
 /// of SPEED+'s also a list as the sets themselves have (filename, q_vbs2tango or q_vbs2tango_true,
 /// r_Vo2To_vbs or r_Vo2To_vbs_true) or the challenges' CSV without head (filename, q0, q1, q2, q3,
 /// x, y, z), q scalar first and metres. Throws InputError, with file and row, for whatever is not
-/// so, for a picture that the set has not and for one that is named twice.
+/// so, for a picture that is named twice, and where the set has none of those that are named; what
+/// else it has not is an estimate of no image.
 std::vector<BopEstimate> read_estimates(const std::filesystem::path& file, const ScoredSet& set);
 
 }  // namespace sightline

@@ -2,8 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The keys of [dataset]: an image study whose images, cameras and poses are somebody's.
+#include <utility>
+
 #include <fmt/format.h>
 
+#include "eval/datasets/set_frame.h"
 #include "eval/study/key_tables.h"
 #include "eval/study/study_keys.h"
 #include "scenes/files/input_error.h"
@@ -11,22 +14,30 @@
 namespace sightline {
 namespace {
 
-SightingSource read_source(const TomlTable& table) {
+// What [dataset] names, and the depth of its grey levels.
+struct DatasetKeys {
   SightingSource source;
   int bits = kMostBits;
-  read_keys(table, dataset_keys(source, bits));
-  source.lens = read_lens(table.table("camera"));
-  return source;
+};
+
+DatasetKeys read_keys_of(const TomlTable& table) {
+  DatasetKeys keys;
+  read_keys(table, dataset_keys(keys.source, keys.bits));
+  keys.source.lens = read_lens(table.table("camera"));
+  return keys;
 }
 
 }  // namespace
 
 SightedImages read_dataset(const TomlTable& table, const std::shared_ptr<const Target>& target,
                            int& draws) {
-  const SightingSource source = read_source(table);
+  const auto [source, bits] = read_keys_of(table);
   SightedImages images;
   try {
-    images.set = std::make_shared<const SightedSet>(read_sightings(source, target));
+    SightedSet set = read_sightings(source, target);
+    const std::string note = note_on_bits(set.sightings, bits);
+    if (!note.empty()) set.notes.push_back(note);
+    images.set = std::make_shared<const SightedSet>(std::move(set));
   } catch (const InputError& error) {
     table.fail("dataset", fmt::format("cannot be used: {}", error.what()));
   }
@@ -45,9 +56,7 @@ SceneLaw dataset_scene(const TomlTable& table, const ImageStudy& images) {
   law.target = images.target;
   law.features = images.features;
   law.camera = images.sighted->set->sightings.front().camera;
-  SightingSource source;
-  law.sensor.bits = kMostBits;
-  read_keys(table, dataset_keys(source, law.sensor.bits));
+  law.sensor.bits = read_keys_of(table).bits;
   return law;
 }
 

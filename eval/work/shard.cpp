@@ -4,6 +4,7 @@
 
 #include <array>
 #include <charconv>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
@@ -50,7 +51,8 @@ std::optional<int> variable(const ProcessVariables& environment, const char* nam
       fmt::format("--shard: {} is '{}', must be a whole number below 2^31", name, value));
 }
 
-ShardChoice checked(const std::string& text, const std::string& source, int index, int count) {
+ShardChoice checked(const std::string& text, const std::string& source, int64_t index,
+                    int64_t count) {
   if (count < 1 || index < 0 || index >= count) {
     throw InputError(fmt::format("--shard {}: shard {} of {} ({}) must have 0 <= I < N", text,
                                  index, count, source));
@@ -67,7 +69,7 @@ void require_whole_array(const std::string& text, const Engine& engine,
   const std::optional<int> tasks = variable(environment, engine.count);
   if (!last || !tasks) return;
   const int first = variable(environment, engine.min_index).value_or(0);
-  const bool has_gaps = *last - first + 1 != *tasks;
+  const bool has_gaps = int64_t{*last} - first + 1 != *tasks;
   const bool may_be_part = *tasks == 1 && first > 0;
   const bool is_part = given_count && *given_count != *tasks;
   if (!has_gaps && !may_be_part && !is_part) return;
@@ -91,7 +93,7 @@ ShardChoice from_engine(const std::string& text, std::optional<int> given_count,
     }
     const int first = variable(environment, engine.min_index).value_or(0);
     require_whole_array(text, engine, given_count, environment);
-    return checked(text, engine.name, *index - first, *count);
+    return checked(text, engine.name, int64_t{*index} - first, *count);
   }
   throw InputError(fmt::format(
       "--shard {}: no engine has set its variables (Open MPI, PMI, Slurm, Kubernetes); give I/N",

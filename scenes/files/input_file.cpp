@@ -164,6 +164,10 @@ bool read_bounded_line(std::istream& stream, std::string& line) {
   constexpr int kEnd = std::char_traits<char>::eof();
   for (int next = buffer.sbumpc(); next != kEnd; next = buffer.sbumpc()) {
     if (next == '\n') return true;
+    if (next == '\r') {
+      if (buffer.sgetc() == '\n') buffer.sbumpc();
+      return true;
+    }
     line += static_cast<char>(next);
     if (line.size() > kLongestLine) return true;
   }

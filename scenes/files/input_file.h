@@ -42,8 +42,8 @@ std::optional<std::string> bytes_of_file(const std::filesystem::path& file, uint
 
 inline constexpr size_t kLongestLine = size_t{1} << 20;  ///< bytes
 
-/// As std::getline, but reads no more of a line than kLongestLine and one byte, which is how a
-/// longer one is known.
+/// As std::getline, but a line ends with CR and with CR LF as well, and no more of it is read than
+/// kLongestLine and one byte, which is how a longer one is known.
 bool read_bounded_line(std::istream& stream, std::string& line);
 
 }  // namespace sightline

@@ -27,15 +27,6 @@ std::string_view next_line(std::string_view& text) {
   return line;
 }
 
-size_t bytes_of_type(const std::string& type) {
-  static const std::map<std::string, size_t> kBytes = {
-      {"char", 1},   {"int8", 1},    {"uchar", 1},  {"uint8", 1},  {"short", 2}, {"int16", 2},
-      {"ushort", 2}, {"uint16", 2},  {"int", 4},    {"int32", 4},  {"uint", 4},  {"uint32", 4},
-      {"float", 4},  {"float32", 4}, {"double", 8}, {"float64", 8}};
-  const auto found = kBytes.find(type);
-  return found == kBytes.end() ? 0 : found->second;
-}
-
 // What the header says, line by line.
 struct PlyHeader {
   PlyPoints points;
@@ -68,7 +59,7 @@ struct PlyHeader {
   }
 
   void read_property(const std::string& type, const std::string& name) {
-    const size_t bytes = bytes_of_type(type);
+    const size_t bytes = bytes_of_ply_type(type);
     is_known = is_known && bytes > 0;
     const bool is_axis = name == "x" || name == "y" || name == "z";
     if (is_axis) {
@@ -169,6 +160,15 @@ std::string moved_ascii(std::string_view ply, const PlyPoints& points, const Eig
 }
 
 }  // namespace
+
+size_t bytes_of_ply_type(const std::string& type) {
+  static const std::map<std::string, size_t> kBytes = {
+      {"char", 1},   {"int8", 1},    {"uchar", 1},  {"uint8", 1},  {"short", 2}, {"int16", 2},
+      {"ushort", 2}, {"uint16", 2},  {"int", 4},    {"int32", 4},  {"uint", 4},  {"uint32", 4},
+      {"float", 4},  {"float32", 4}, {"double", 8}, {"float64", 8}};
+  const auto found = kBytes.find(type);
+  return found == kBytes.end() ? 0 : found->second;
+}
 
 std::optional<PlyPoints> double_points(std::string_view ply) {
   constexpr size_t kLongestHeader = 1 << 16;

@@ -12,6 +12,9 @@
 
 namespace sightline {
 
+/// How many bytes a number of a type takes in a binary .ply; 0 of what is no type.
+size_t bytes_of_ply_type(const std::string& type);
+
 /// Where a .ply has its vertices, whose coordinates are double precision, as georeferenced scans
 /// have them (Turk, The PLY polygon file format, 1994).
 struct PlyPoints {

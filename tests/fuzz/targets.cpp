@@ -11,7 +11,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "eval/datasets/model_file.h"
+#include "eval/datasets/ply_reader.h"
 #include "eval/doors/external_process.h"
 #include "eval/doors/process_json.h"
 #include "eval/output/csv_reader.h"

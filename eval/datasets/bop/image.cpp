@@ -18,14 +18,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-BopInstance instance_of(const Json& entry) {
-  BopInstance instance{.obj_id = whole_in(entry, "obj_id"), .cam_from_model = {}};
+void read_pose(const Json& entry, BopInstance& instance) {
   const auto rotation = usable_rotation(matrix_from_rows(numbers_or_nan_in(entry, "cam_R_m2c", 9)));
   const auto t = numbers_or_nan_in(entry, "cam_t_m2c", 3);
   const Eigen::Vector3d translation(t[0], t[1], t[2]);
   require_near(kMetresPerMillimetre * translation, "cam_t_m2c");
   instance.has_pose = rotation && translation.allFinite();
   if (instance.has_pose) instance.cam_from_model = {*rotation, translation};
+}
+
+BopInstance instance_of(const Json& entry) {
+  BopInstance instance{.obj_id = whole_in(entry, "obj_id"), .cam_from_model = {}};
+  try {
+    read_pose(entry, instance);
+  } catch (const InputError& error) {
+    instance.has_pose = false;
+    instance.problem = error.what();
+  }
   return instance;
 }
 
@@ -59,6 +68,10 @@ fs::path folder_of_kind(const BopImage& image, std::string_view kind) {
 
 void add_bop_camera(const Json& camera, BopImage& image) {
   if (camera.is_object() && camera.contains("cam_model")) {
+    if (camera.contains("cam_K")) {
+      throw InputError(fmt::format("image {}: has both cam_K and cam_model, must have one of them",
+                                   image.im_id));
+    }
     set_camera_model(camera["cam_model"], image);
   } else {
     image.k = matrix_from_rows(numbers_in(camera, "cam_K", 9));
@@ -67,7 +80,8 @@ void add_bop_camera(const Json& camera, BopImage& image) {
     throw InputError(
         fmt::format("image {}: its camera has a number beyond {:g} px", image.im_id, kGreatestPx));
   }
-  if (camera.contains("depth_scale")) image.depth_scale = number_in(camera, "depth_scale");
+  image.states_depth_scale = camera.contains("depth_scale");
+  if (image.states_depth_scale) image.depth_scale = number_in(camera, "depth_scale");
 }
 
 void add_bop_truth(const Json& entries, BopImage& image) {
@@ -131,6 +145,12 @@ fs::path bop_camera_file(const BopImage& image) {
     if (fs::exists(file)) return file;
   }
   return image.folder / fmt::format("{}{}", image.key, kEndings.front());
+}
+
+fs::path bop_truth_file(const BopImage& image) {
+  return plain_or_packed(image.folder / (image.key.empty()
+                                             ? bop::of_sensor(bop::kSceneTruthFile, image.sensor)
+                                             : image.key + std::string(bop::kImageTruthFile)));
 }
 
 fs::path bop_visible_mask(const BopImage& image, int gt_id) {

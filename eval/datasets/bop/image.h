@@ -25,6 +25,8 @@ struct BopInstance {
   Pose cam_from_model;  ///< its rotation as usable_rotation has it
   double visible_fraction = 1;
   bool has_pose = true;  ///< else the set's numbers are no pose: nothing can be held against it
+  /// What of its entry is not as its format has it, which matters where it is asked for.
+  std::string problem{};
 };
 
 struct BopImage {
@@ -34,10 +36,12 @@ struct BopImage {
   std::string key{};  ///< in the imagewise format: what the image's files begin with; else empty
   int scene_id = 0;
   int im_id = 0;
-  int width_px = 0;  ///< of the picture; of read_bop_dataset alone
+  int width_px = 0;   ///< of the picture; of read_bop_dataset alone
+  int height_px = 0;  ///< likewise; 0: not known
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();
   Lens lens;                         ///< of a cam_model that has one; read_bop_dataset takes none
   double depth_scale = 1;            ///< mm a step of the depth
+  bool states_depth_scale = false;   ///< else it is not the image's own
   std::filesystem::path depth_file;  ///< empty where there is none
   std::vector<BopInstance> instances;
   std::map<int, int> targets;  ///< how many instances of an object are asked for
@@ -73,6 +77,9 @@ Camera bop_camera(const BopImage& image);
 
 /// What says its camera, for errors.
 std::filesystem::path bop_camera_file(const BopImage& image);
+
+/// What says its true poses, likewise.
+std::filesystem::path bop_truth_file(const BopImage& image);
 
 /// What holds the mask of the visible pixels of an instance: a picture or, in the imagewise format,
 /// a .json of the masks of all (mask_runs.h). Empty where there is none.

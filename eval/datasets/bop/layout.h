@@ -33,6 +33,8 @@ inline constexpr std::string_view kTestSplit = "test";
 inline constexpr std::string_view kSceneCameraFile = "scene_camera.json";
 inline constexpr std::string_view kSceneTruthFile = "scene_gt.json";
 inline constexpr std::string_view kSceneInfoFile = "scene_gt_info.json";
+/// Of the imagewise format, behind the image's key.
+inline constexpr std::string_view kImageTruthFile = ".gt.json";
 /// COCO's annotations with keypoints, which is ours: it stands beside the scene_gt_coco.json that
 /// the toolkit's calc_gt_coco writes, which has boxes and masks alone.
 inline constexpr std::string_view kSceneKeypointsFile = "scene_gt_coco_keypoints.json";

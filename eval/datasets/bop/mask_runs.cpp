@@ -3,8 +3,11 @@
 #include "eval/datasets/bop/mask_runs.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include <opencv2/core.hpp>
 
@@ -16,19 +19,57 @@
 namespace sightline {
 namespace {
 
+// The run lengths that COCO's API packs into a text: each as its difference from the last but one,
+// from the fourth on, in groups of five bits, the lowest first, whose sixth says that more follow.
+// None of a text that ends within one, or has one that is too long.
+std::optional<std::vector<int64_t>> unpacked_counts(std::string_view text) {
+  constexpr int kBits = 5, kMostBits = 60;
+  constexpr int64_t kMore = 1 << kBits, kSign = 1 << (kBits - 1);
+  std::vector<int64_t> counts;
+  int64_t value = 0;
+  int shift = 0;
+  for (const char letter : text) {
+    const int64_t group = static_cast<unsigned char>(letter) - 48;
+    if (group < 0 || group >= 2 * kMore || shift > kMostBits - kBits) return std::nullopt;
+    value |= (group & (kMore - 1)) << shift;
+    shift += kBits;
+    if ((group & kMore) != 0) continue;
+    if ((group & kSign) != 0) value -= int64_t{1} << shift;
+    if (counts.size() > 2) value += counts[counts.size() - 2];
+    if (value < 0 || value > kMaxPicturePixels) return std::nullopt;
+    counts.push_back(value);
+    value = 0;
+    shift = 0;
+  }
+  if (shift > 0) return std::nullopt;
+  return counts;
+}
+
+// The runs as they are listed or packed; none of what is neither.
+std::optional<std::vector<int64_t>> counts_of(const Json& json) {
+  if (json.is_string()) return unpacked_counts(json.get<std::string>());
+  if (!json.is_array()) return std::nullopt;
+  std::vector<int64_t> counts;
+  for (const Json& count : json) {
+    if (!count.is_number_integer()) return std::nullopt;
+    counts.push_back(count.get<int64_t>());
+  }
+  return counts;
+}
+
 // The run lengths of an entry; none where it is not as its format has it.
 std::optional<RunLengths> run_lengths_in(const Json& entry) {
   const std::vector<double> size = numbers_in(entry, "size", 2);
   const double pixels = size[0] * size[1];
   if (size[0] < 1 || size[1] < 1 || pixels > kMaxPicturePixels) return std::nullopt;
   RunLengths runs{.height_px = static_cast<int>(size[0]), .width_px = static_cast<int>(size[1])};
-  const Json& counts = value_in(entry, "counts");
-  if (!counts.is_array()) return std::nullopt;
-  uint64_t left = static_cast<uint64_t>(runs.height_px) * static_cast<uint64_t>(runs.width_px);
-  for (const Json& count : counts) {
-    if (!count.is_number_unsigned() || count.get<uint64_t>() > left) return std::nullopt;
-    left -= count.get<uint64_t>();
-    runs.counts.push_back(count.get<uint32_t>());
+  const auto counts = counts_of(value_in(entry, "counts"));
+  if (!counts) return std::nullopt;
+  int64_t left = static_cast<int64_t>(runs.height_px) * runs.width_px;
+  for (const int64_t count : *counts) {
+    if (count < 0 || count > left) return std::nullopt;
+    left -= count;
+    runs.counts.push_back(static_cast<uint32_t>(count));
   }
   if (left > 0) return std::nullopt;
   return runs;

@@ -20,7 +20,7 @@ struct RunLengths {
 
 /// The masks of an image's instances in a file of BOP's imagewise format (KEY.mask_visib.json),
 /// whose entries are as COCO writes masks: `size` is height and width, `counts` the lengths of runs
-/// of 0 and 1 in turn, column by column.
+/// of 0 and 1 in turn, column by column, as a list or as the text that COCO's API packs them into.
 class MaskRuns {
  public:
   /// Reads the file. Of one that cannot be read there are no masks, nor of entries that are not so:

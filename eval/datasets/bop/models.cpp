@@ -12,7 +12,7 @@
 #include "eval/datasets/bop/layout.h"
 #include "eval/datasets/bop/numbered.h"
 #include "eval/datasets/conventions.h"
-#include "eval/datasets/model_file.h"
+#include "eval/datasets/ply_reader.h"
 #include "eval/output/json.h"
 #include "scenes/files/input_error.h"
 #include "scenes/files/input_file.h"
@@ -135,12 +135,20 @@ std::vector<Pose> bop_symmetries(const std::string& info) {
   return symmetries_of(Json::parse(info));
 }
 
+fs::path bop_models_info(const fs::path& set) {
+  for (const fs::path& folder : {models_folder(set), set / bop::kModelsFolder}) {
+    fs::path file = plain_or_packed(folder / bop::kModelsInfoFile);
+    if (fs::exists(file)) return file;
+  }
+  return {};
+}
+
 std::map<int, BopModel> read_bop_models(const fs::path& set, const std::set<int>& obj_ids) {
   const fs::path folder = models_folder(set);
   std::map<int, BopModel> models;
   for (const int id : obj_ids) models[id] = read_model(numbered_model(folder, id));
-  const fs::path infos_file = plain_or_packed(folder / bop::kModelsInfoFile);
-  if (!fs::exists(infos_file)) {
+  const fs::path infos_file = bop_models_info(set);
+  if (infos_file.empty()) {
     for (auto& [id, model] : models) model.diameter_mm = diameter(model.mesh_mm.vertices);
     return models;
   }
@@ -149,7 +157,8 @@ std::map<int, BopModel> read_bop_models(const fs::path& set, const std::set<int>
     for (auto& [id, model] : models) {
       const Json* const info = by_object.find(id);
       if (info == nullptr) throw InputError(fmt::format("has no object {}, which a target is", id));
-      model.diameter_mm = number_in(*info, "diameter");
+      model.diameter_mm = info->contains("diameter") ? number_in(*info, "diameter")
+                                                     : diameter(model.mesh_mm.vertices);
       if (!(model.diameter_mm > 0)) throw InputError(fmt::format("{}: diameter must be > 0", id));
       model.symmetries = symmetries_of_object(*info, id);
     }
@@ -159,9 +168,8 @@ std::map<int, BopModel> read_bop_models(const fs::path& set, const std::set<int>
 
 BopModelFacts bop_model_facts(const fs::path& set, int obj_id) {
   const fs::path folder = models_folder(set);
-  BopModelFacts facts{
-      .box_mm = {}, .file = plain_or_packed(folder / bop::kModelsInfoFile), .symmetries = {}};
-  if (fs::exists(facts.file)) {
+  BopModelFacts facts{.box_mm = {}, .file = bop_models_info(set), .symmetries = {}};
+  if (!facts.file.empty()) {
     with_json(facts.file, [&](const Json& infos) {
       const Json* const info = NumberedEntries(infos).find(obj_id);
       if (info == nullptr) return;

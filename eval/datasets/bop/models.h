@@ -35,10 +35,14 @@ struct BopModel {
 /// in one (Hodan et al., BOP Challenge 2019). `info` is the entry's JSON.
 std::vector<Pose> bop_symmetries(const std::string& info);
 
+/// The models_info.json of a set: that beside the models that are read or, where they have none, as
+/// in the models_eval/ of many, that of models/. Empty where there is neither.
+std::filesystem::path bop_models_info(const std::filesystem::path& set);
+
 /// The models of these objects, and of no others, from models_eval/ or else models/ or the first
 /// folder whose name begins so. Their diameters and symmetries are those of models_info.json;
-/// without that file the diameter is measured, and there are no symmetries. Throws InputError, with
-/// the file, for whatever is missing or not so.
+/// where that states no diameter it is measured, and without that file there are no symmetries.
+/// Throws InputError, with the file, for whatever is missing or not so.
 std::map<int, BopModel> read_bop_models(const std::filesystem::path& set,
                                         const std::set<int>& obj_ids);
 

@@ -32,11 +32,17 @@ std::string joined(const std::vector<int>& numbers, int digits) {
 
 }  // namespace
 
-int whole_number(const std::string& text) {
+std::optional<int> number_of(const std::string& text) {
   int value = -1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error == std::errc() && end == text.data() + text.size() && value >= 0) return value;
-  throw InputError(fmt::format("'{}' is no id", text.substr(0, 40)));
+  return std::nullopt;
+}
+
+int whole_number(const std::string& text) {
+  if (const auto number = number_of(text)) return *number;
+  throw InputError(
+      fmt::format("'{}' is no id, which must be a whole number below 2^31", text.substr(0, 40)));
 }
 
 NumberedEntries::NumberedEntries(const Json& object) {

@@ -8,6 +8,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,10 @@
 
 namespace sightline {
 
-/// The number that a text is. Throws InputError for what is none, or below 0.
+/// The number that a text is; none where it is no whole number, below 0, or one that no int holds.
+std::optional<int> number_of(const std::string& text);
+
+/// The same. Throws InputError for what is none, or below 0.
 int whole_number(const std::string& text);
 
 /// The entries of an object whose keys are numbers, however many zeros stand before them. They are

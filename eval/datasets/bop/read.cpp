@@ -4,17 +4,21 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "eval/datasets/bop/layout.h"
 #include "eval/datasets/bop/scenes.h"
 #include "eval/datasets/conventions.h"
+#include "eval/datasets/pictures.h"
 #include "eval/output/json.h"
+#include "eval/output/numbers.h"
 #include "scenes/files/input_error.h"
 #include "scenes/files/input_file.h"
 #include "scenes/picture/picture_file.h"
@@ -38,6 +42,20 @@ void refuse_shards(const fs::path& folder) {
   }
 }
 
+// Which folders a --split could name.
+std::string advice_on_split(const fs::path& folder) {
+  std::set<std::string> splits;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (!entry.is_directory(error)) continue;
+    if (has_scenes(entry.path()) || is_imagewise(entry.path())) {
+      splits.insert(entry.path().filename().string());
+    }
+  }
+  if (!splits.empty()) return fmt::format("; say --split {}", fmt::join(splits, " or "));
+  return has_scenes(folder) ? "; it is a split itself: name the folder of the set, above it" : "";
+}
+
 fs::path split_folder(const fs::path& folder, const std::string& split) {
   const fs::path named = folder / (split.empty() ? bop::kTestSplit : split);
   if (fs::is_directory(named)) return named;
@@ -51,12 +69,11 @@ fs::path split_folder(const fs::path& folder, const std::string& split) {
   }
   if (found.size() == 1) return found.front();
   refuse_shards(folder);
-  throw InputError(fmt::format("{}: is no folder{}", named.string(),
-                               split.empty() ? "; say --split which one is meant" : ""));
+  throw InputError(fmt::format("{}: is no folder{}", named.string(), advice_on_split(folder)));
 }
 
 using ImageId = std::pair<int, int>;  // scene, image
-// How many instances of an object an image asks for; no objects: all that are visible.
+// How many instances of an object an image asks for, 0 as well; no objects: all that are visible.
 using Targets = std::map<ImageId, std::map<int, int>>;
 
 // A list of targets, or none.
@@ -74,7 +91,7 @@ Targets read_targets(const fs::path& file) {
       auto& objects = targets[{whole_in(target, "scene_id"), whole_in(target, "im_id")}];
       if (!target.contains("obj_id")) continue;
       const int count = target.contains("inst_count") ? whole_in(target, "inst_count") : 1;
-      if (count < 1) throw InputError("inst_count must be 1 or more");
+      if (count < 0) throw InputError("inst_count must be 0 or more");
       objects[whole_in(target, "obj_id")] = count;
     }
   });
@@ -115,41 +132,66 @@ void note_lens(const fs::path& folder, std::vector<std::string>& notes) {
   });
 }
 
-// The width of an image by the header of its picture; 0 where there is none that tells.
-int width_of(const BopImage& image) {
-  for (const fs::path& file : {bop_picture(image), image.depth_file}) {
-    if (const auto size = picture_size(file)) return size->width;
-  }
-  return 0;
+// What camera.json says of the whole set, where there is one.
+struct SetCamera {
+  fs::path file;
+  int width_px = 0;
+  std::optional<double> depth_scale;
+};
+
+SetCamera read_set_camera(const fs::path& folder) {
+  SetCamera camera{.file = plain_or_packed(folder / bop::kCameraFile), .depth_scale = {}};
+  if (!fs::exists(camera.file)) return camera;
+  with_json(camera.file, [&camera](const Json& json) {
+    if (json.contains("width")) camera.width_px = whole_in(json, "width");
+    if (json.contains("depth_scale")) camera.depth_scale = number_in(json, "depth_scale");
+  });
+  return camera;
+}
+
+// The size of an image by the header of its picture; none where there is none that tells.
+std::optional<cv::Size> size_of(const BopImage& image) {
+  const auto size = picture_size(bop_picture(image));
+  return size ? size : picture_size(image.depth_file);
 }
 
 // Gives every image its width, which MSPD's thresholds are of: its own picture's, else that of the
 // pictures beside it, else what camera.json says. Of a set that is no longer that of its
 // camera.json (it was cropped, or scaled) the pictures count.
-void set_widths(const fs::path& folder, BopDataset& dataset) {
-  const fs::path camera_file = plain_or_packed(folder / bop::kCameraFile);
-  int stated = 0;
-  if (fs::exists(camera_file)) {
-    with_json(camera_file, [&](const Json& camera) {
-      if (camera.contains("width")) stated = whole_in(camera, "width");
-    });
-  }
+void set_sizes(const SetCamera& camera, BopDataset& dataset) {
   int last = 0;
   for (BopImage& image : dataset.images) {
-    image.width_px = width_of(image);
+    const cv::Size size = size_of(image).value_or(cv::Size());
+    image.width_px = size.width;
+    image.height_px = size.height;
     if (image.width_px > 0) last = image.width_px;
   }
   for (BopImage& image : dataset.images) {
-    if (image.width_px == 0) image.width_px = last > 0 ? last : stated;
+    if (image.width_px == 0) image.width_px = last > 0 ? last : camera.width_px;
     if (image.width_px > 0) continue;
     throw InputError(fmt::format("{}: has no image {}, nor the set a {}, to tell the width",
                                  image.folder.string(), image.im_id, bop::kCameraFile));
   }
-  if (stated > 0 && last > 0 && stated != last) {
+  if (camera.width_px > 0 && last > 0 && camera.width_px != last) {
     dataset.notes.push_back(
         fmt::format("{}: says that images are {} px wide, they are {}: that counts",
-                    camera_file.string(), stated, last));
+                    camera.file.string(), camera.width_px, last));
   }
+}
+
+// Gives every image that has depth and does not state its scale that of camera.json.
+void set_depth_scales(const SetCamera& camera, BopDataset& dataset) {
+  int64_t without = 0;
+  for (BopImage& image : dataset.images) {
+    if (image.states_depth_scale || image.depth_file.empty()) continue;
+    ++without;
+    image.depth_scale = camera.depth_scale.value_or(image.depth_scale);
+  }
+  if (without == 0) return;
+  dataset.notes.push_back(
+      fmt::format("{} with depth but no depth_scale: {} mm counts, {}", counted(without, "image"),
+                  camera.depth_scale.value_or(BopImage{}.depth_scale),
+                  camera.depth_scale ? "by " + camera.file.string() : "as nothing else is stated"));
 }
 
 std::map<int, int> visible_objects(const BopImage& image) {
@@ -161,6 +203,10 @@ std::map<int, int> visible_objects(const BopImage& image) {
 }
 
 void require_instances(const BopImage& image, const fs::path& list) {
+  for (const BopInstance& instance : image.instances) {
+    if (instance.problem.empty() || !image.targets.contains(instance.obj_id)) continue;
+    throw InputError(fmt::format("{}: {}", bop_truth_file(image).string(), instance.problem));
+  }
   for (const auto& [obj_id, count] : image.targets) {
     const auto there = std::count_if(image.instances.begin(), image.instances.end(),
                                      [id = obj_id](const auto& i) { return i.obj_id == id; });
@@ -198,7 +244,7 @@ std::vector<BopImage> images_of(const fs::path& split, const std::string& sensor
   std::set<int> of_list;
   for (const auto& [image, objects] : list.targets) of_list.insert(image.first);
   const std::vector<int> scenes =
-      list.is_there() ? std::vector<int>(of_list.begin(), of_list.end()) : scenes_in(split);
+      list.is_there() ? std::vector<int>(of_list.begin(), of_list.end()) : scenes_in(split, notes);
   return read_scenewise(split, scenes, sensor, is_asked, notes);
 }
 
@@ -293,6 +339,7 @@ BopImages read_bop_images(const fs::path& folder, const std::string& split,
     const auto wanted = list.targets.find({image.scene_id, image.im_id});
     const bool names_objects = list.is_there() && !wanted->second.empty();
     image.targets = names_objects ? wanted->second : visible_objects(image);
+    std::erase_if(image.targets, [](const auto& target) { return target.second == 0; });
     require_instances(image, list.file);
   }
   require_all_asked(list, asked);
@@ -308,17 +355,29 @@ BopImages read_bop_images(const fs::path& folder, const std::string& split,
 BopDataset read_bop_dataset(const fs::path& folder, const std::string& split,
                             const std::string& sensor) {
   BopImages read = read_bop_images(folder, split, sensor);
-  require_cameras(read.images);
+  BopDataset dataset{
+      .models = {}, .images = std::move(read.images), .notes = std::move(read.notes)};
+  const SetCamera camera = read_set_camera(folder);
+  set_depth_scales(camera, dataset);
+  require_cameras(dataset.images);
   std::set<int> objects;
-  for (const BopImage& image : read.images) {
+  for (const BopImage& image : dataset.images) {
     for (const auto& [obj_id, count] : image.targets) objects.insert(obj_id);
   }
-  BopDataset dataset{.models = read_bop_models(folder, objects),
-                     .images = std::move(read.images),
-                     .notes = std::move(read.notes)};
+  dataset.models = read_bop_models(folder, objects);
+  if (bop_models_info(folder).empty()) {
+    dataset.notes.push_back(
+        fmt::format("{}: has no {}: diameters are measured, and no object has symmetries",
+                    folder.string(), bop::kModelsInfoFile));
+  }
   require_any_in_front(folder, dataset);
   for (const auto& [obj_id, model] : dataset.models) note_diameter(obj_id, model, dataset.notes);
-  set_widths(folder, dataset);
+  set_sizes(camera, dataset);
+  std::vector<fs::path> pictures;
+  for (const BopImage& image : dataset.images) pictures.push_back(bop_picture(image));
+  std::erase(pictures, fs::path());
+  const std::string note = note_on_links(folder, pictures);
+  if (!note.empty()) dataset.notes.push_back(note);
   return dataset;
 }
 

@@ -24,13 +24,12 @@ namespace fs = std::filesystem;
 
 // ---- imagewise
 
-constexpr std::string_view kImageTruth = ".gt.json";
-
 // The key of an image whose truth is in a file of that name; empty of another file.
 std::string key_of(const fs::path& file) {
   const std::string name = unpacked_name(file.filename()).string();
-  if (!name.ends_with(kImageTruth)) return "";
-  return name.substr(0, name.size() - kImageTruth.size());
+  const bool is_hidden = name.starts_with('.');  // as other systems leave copies beside files
+  if (is_hidden || !name.ends_with(bop::kImageTruthFile)) return "";
+  return name.substr(0, name.size() - bop::kImageTruthFile.size());
 }
 
 BopImage image_of_key(const fs::path& folder, const std::string& key) {
@@ -44,7 +43,7 @@ BopImage image_of_key(const fs::path& folder, const std::string& key) {
   } catch (const InputError&) {
     throw InputError(
         fmt::format("{}: its name must begin with the numbers of scene and image, as 000001_000017",
-                    (folder / key).string() + std::string(kImageTruth)));
+                    (folder / key).string() + std::string(bop::kImageTruthFile)));
   }
   return image;
 }
@@ -54,11 +53,11 @@ void read_files_of(BopImage& image) {
   const auto file = [&](std::string_view ending) {
     return plain_or_packed(beginning.string() + std::string(ending));
   };
-  with_json(file(kImageTruth), [&](const Json& json) { add_bop_truth(json, image); });
+  with_json(file(bop::kImageTruthFile), [&](const Json& json) { add_bop_truth(json, image); });
   with_json(bop_camera_file(image), [&](const Json& json) { add_bop_camera(json, image); });
   if (const fs::path infos = file(".gt_info.json"); fs::exists(infos)) {
     with_json(infos, [&](const Json& json) {
-      add_bop_visibility(json, image.key + std::string(kImageTruth), image);
+      add_bop_visibility(json, image.key + std::string(bop::kImageTruthFile), image);
     });
   }
   image.depth_file = bop_picture_of_kind(image, bop::kDepthFolder);
@@ -99,11 +98,14 @@ std::string usual_of(const std::set<std::string>& sensors) {
   return sensors.empty() ? "" : *sensors.begin();
 }
 
-// One scene's folder and what is to be read of it.
+// One scene's folder and what is to be read of it; of images that nobody asks for, nothing.
 class SceneReader {
  public:
-  SceneReader(fs::path folder, std::string sensor, int scene_id)
-      : folder_(std::move(folder)), sensor_(std::move(sensor)), scene_id_(scene_id) {}
+  SceneReader(fs::path folder, std::string sensor, int scene_id, const AskedImages& is_asked)
+      : folder_(std::move(folder)),
+        sensor_(std::move(sensor)),
+        scene_id_(scene_id),
+        is_asked_(is_asked) {}
 
   std::map<int, BopImage> read() {
     with_json(file(bop::kSceneTruthFile), [this](const Json& json) { add_truth(json); });
@@ -122,6 +124,7 @@ class SceneReader {
   void add_truth(const Json& json) {
     const NumberedEntries truths(json);
     for (const auto& [im_id, entries] : truths.all()) {
+      if (!is_asked_(scene_id_, im_id)) continue;
       BopImage& image = images_[im_id];
       image.folder = folder_;
       image.sensor = sensor_;
@@ -158,6 +161,7 @@ class SceneReader {
   fs::path folder_;
   std::string sensor_;
   int scene_id_;
+  const AskedImages& is_asked_;
   std::map<int, BopImage> images_;
 };
 
@@ -212,13 +216,31 @@ std::vector<BopImage> read_imagewise(const fs::path& folder, const AskedImages& 
   return read;
 }
 
-std::vector<int> scenes_in(const fs::path& split) {
+bool has_scenes(const fs::path& folder) {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    if (!sensors_of(entry.path()).empty()) return true;
+  }
+  return false;
+}
+
+std::vector<int> scenes_in(const fs::path& split, std::vector<std::string>& notes) {
   std::set<int> scenes;
+  std::set<std::string> others;
   for (const auto& entry : fs::directory_iterator(split)) {
-    if (!sensors_of(entry.path()).empty()) {
-      scenes.insert(whole_number(entry.path().filename().string()));
+    if (sensors_of(entry.path()).empty()) continue;
+    const std::string name = entry.path().filename().string();
+    if (const auto scene_id = number_of(name)) {
+      scenes.insert(*scene_id);
+    } else {
+      others.insert(name);
     }
   }
+  if (others.empty()) return {scenes.begin(), scenes.end()};
+  const std::string not_read = fmt::format("{}: not read as scenes, whose names are numbers: {}",
+                                           split.string(), fmt::join(others, ", "));
+  if (scenes.empty()) throw InputError(not_read);
+  notes.push_back(not_read);
   return {scenes.begin(), scenes.end()};
 }
 
@@ -235,8 +257,8 @@ std::vector<BopImage> read_scenewise(const fs::path& split, const std::vector<in
     if (sensor.empty() && sensors.size() > 1 && !std::exchange(has_note, true)) {
       notes.push_back(note_on_others(folder, sensors, read_one));
     }
-    for (auto& [im_id, image] : SceneReader(folder, read_one, scene_id).read()) {
-      if (is_asked(scene_id, im_id)) read.push_back(std::move(image));
+    for (auto& [im_id, image] : SceneReader(folder, read_one, scene_id, is_asked).read()) {
+      read.push_back(std::move(image));
     }
   }
   return read;

@@ -26,8 +26,12 @@ bool is_imagewise(const std::filesystem::path& folder);
 std::vector<BopImage> read_imagewise(const std::filesystem::path& folder,
                                      const AskedImages& is_asked);
 
-/// The scenes in a split's folder that have a truth.
-std::vector<int> scenes_in(const std::filesystem::path& split);
+/// Whether a folder has scenes of the scenewise format, whatever their names.
+bool has_scenes(const std::filesystem::path& folder);
+
+/// The scenes in a split's folder that have a truth; `notes` gains a line on those whose names are
+/// no numbers. Throws InputError where there are such alone.
+std::vector<int> scenes_in(const std::filesystem::path& split, std::vector<std::string>& notes);
 
 /// The images of these scenes that are asked for, likewise: of each scene_gt.json,
 /// scene_camera.json and, where there is one, scene_gt_info.json. Of a scene with several sensors,

@@ -15,7 +15,7 @@
 #include <fmt/ranges.h>
 
 #include "eval/datasets/conventions.h"
-#include "eval/datasets/model_file.h"
+#include "eval/datasets/ply_reader.h"
 #include "eval/datasets/set_readers.h"
 #include "eval/datasets/speed/layout.h"
 #include "eval/output/json.h"
@@ -99,12 +99,15 @@ fs::path camera_file(const fs::path& list) {
 }
 
 // The focal length along an axis in pixels. SPEED states it and the pixel's pitch in metres; who
-// writes such a file anew often has it in pixels, where no lens has it in metres.
+// writes such a file anew often has it in pixels, where no lens has it in metres, or has both in
+// millimetres, where no pixel has such a pitch in metres.
 double focus_px(const Json& camera, const char* focus, const char* pitch) {
-  constexpr double kLongestLensM = 10;
+  constexpr double kLongestLensM = 10, kWidestPixelM = 1e-4;
   const double given = number_in(camera, focus);
-  if (!camera.contains(pitch) || given > kLongestLensM) return given;
-  return given / number_in(camera, pitch);
+  if (!camera.contains(pitch)) return given;
+  const double pitch_given = number_in(camera, pitch);
+  if (given > kLongestLensM && pitch_given <= kWidestPixelM) return given;
+  return given / pitch_given;
 }
 
 // Of the principal point; the picture's middle where the camera does not say.

@@ -41,7 +41,7 @@ std::vector<SpeedEstimate> read_speed_results(const std::filesystem::path& file)
   while (csv.next()) {
     if (estimates.empty() && csv.text("filename") == "filename") continue;
     SpeedEstimate estimate;
-    estimate.picture = std::filesystem::path(csv.text("filename")).filename().string();
+    estimate.picture = csv.text("filename");
     estimate.line = csv.line();
     const auto number = [&csv](const char* column) { return csv.number_or(column, kNoValue); };
     set_pose({number("q0"), number("q1"), number("q2"), number("q3")},
@@ -51,6 +51,7 @@ std::vector<SpeedEstimate> read_speed_results(const std::filesystem::path& file)
     }
     estimates.push_back(std::move(estimate));
   }
+  if (estimates.empty()) throw InputError(fmt::format("{}: has no estimates", file.string()));
   return estimates;
 }
 

@@ -15,7 +15,7 @@ namespace sightline {
 
 /// What a method says of the target in one picture.
 struct SpeedEstimate {
-  std::string picture;    ///< its file's name, without folders
+  std::string picture;    ///< its file, as it is named there
   Pose cam_from_model;    ///< metres
   int line = 0;           ///< of the file, from 1
   std::string problem{};  ///< why the row is no pose; empty where it is one
@@ -29,8 +29,8 @@ void set_pose(const Eigen::Quaterniond& attitude, const Eigen::Vector3d& transla
 /// first, and a translation in metres, with commas between them. A first line of names, which
 /// begins with "filename", does not count. A row whose numbers are
 /// not finite, or whose quaternion is not of length 1 (1e-2), is kept with its problem. Throws
-/// InputError, with file and line, for whatever else is not so, and for a picture that stands there
-/// twice.
+/// InputError, with file and line, for whatever else is not so, for a picture that stands there
+/// twice, and where there is none.
 std::vector<SpeedEstimate> read_speed_results(const std::filesystem::path& file);
 
 }  // namespace sightline

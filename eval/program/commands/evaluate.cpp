@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "eval/output/plain_text.h"
 #include "eval/program/commands/commands.h"
 #include "eval/program/run_command.h"
 #include "eval/study/study_file.h"
@@ -90,7 +91,7 @@ int run_evaluate(const EvaluateArguments& arguments, const std::string& command)
   const ImageStudy* const images = study.images();
   if (images != nullptr && images->sighted) {
     for (const std::string& note : images->sighted->set->notes) {
-      std::cerr << "sightline: " << note << "\n";
+      std::cerr << "sightline: " << in_one_line(note) << "\n";
     }
   }
   return run_command(study, arguments.run, arguments.run.out, command);

@@ -103,15 +103,24 @@ std::string write_scores(const ScoredResults& scored, const fs::path& folder) {
   return write_figures(folder / "figures", score_charts(scored));
 }
 
+// Names of files and folders may hold anything.
+void print_note(const std::string& note) {
+  if (!note.empty()) std::cerr << "sightline: " << in_one_line(note) << "\n";
+}
+
 void print_notes(const BopDataset& dataset, const std::vector<Method>& methods) {
-  for (const std::string& note : dataset.notes) std::cerr << "sightline: " << note << "\n";
+  for (const std::string& note : dataset.notes) print_note(note);
   for (const Method& method : methods) {
     const std::string failed = failed_rows(method.estimates);
-    if (!failed.empty()) std::cerr << fmt::format("sightline: {}: {}\n", method.file, failed);
+    if (!failed.empty()) print_note(method.file + ": " + failed);
+    const std::string units = note_on_units(dataset, method.estimates, method.scores);
+    if (!units.empty()) print_note(method.file + ": " + units);
     if (method.scores.ignored_estimates == 0) continue;
-    std::cerr << fmt::format(
-        "sightline: {}{} estimates are of nothing that is asked for, or more than are\n",
-        methods.size() > 1 ? method.name + ": " : "", method.scores.ignored_estimates);
+    print_note(fmt::format("{}{} of nothing that is asked for, or more than are",
+                           methods.size() > 1 ? method.name + ": " : "",
+                           method.scores.ignored_estimates == 1
+                               ? "1 estimate is"
+                               : fmt::format("{} estimates are", method.scores.ignored_estimates)));
   }
   const BopScores& scores = methods.front().scores;
   const std::string vsd_note = note_on_vsd(scores);

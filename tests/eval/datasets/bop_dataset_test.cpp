@@ -13,6 +13,7 @@
 #include "eval/datasets/bop/read.h"
 #include "eval/datasets/bop/results_csv.h"
 #include "eval/datasets/model_file.h"
+#include "eval/datasets/ply_reader.h"
 #include "scenes/files/input_error.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"

@@ -15,6 +15,7 @@
 
 #include "eval/datasets/bop/mask_runs.h"
 #include "eval/datasets/bop/read.h"
+#include "eval/datasets/pictures.h"
 #include "eval/datasets/set_frame.h"
 #include "eval/datasets/sightings.h"
 #include "scenes/picture/picture_file.h"
@@ -231,6 +232,46 @@ TEST_F(OtherLayouts, OfFilesImageByImageAreReadOnceAnImage) {
       << "that of the last image alone is kept";
 }
 
+TEST(LinksOfASet, AreSaidWhereTheyLeadOutOfIt) {
+  const TemporaryFolder folder;
+  const fs::path set = folder.path() / "set", outside = folder.path() / "outside";
+  for (const fs::path& made : {set / "rgb", set / "store", outside}) fs::create_directories(made);
+  folder.write("set/rgb/0.png", "");
+  folder.write("set/store/1", "");
+  folder.write("outside/2.png", "");
+  fs::create_symlink("../store/1", set / "rgb/1.png");
+  const std::vector<fs::path> own = {set / "rgb/0.png", set / "rgb/1.png", set / "rgb/none.png"};
+  EXPECT_EQ(note_on_links(set, own), "");
+  fs::create_directory_symlink(set, folder.path() / "link");
+  EXPECT_EQ(note_on_links(folder.path() / "link", {{folder.path() / "link/rgb/0.png"}}), "")
+      << "the set itself may be behind one";
+
+  fs::create_symlink(outside / "2.png", set / "rgb/2.png");
+  std::vector<fs::path> with_others = own;
+  with_others.push_back(set / "rgb/2.png");
+  EXPECT_THAT(note_on_links(set, with_others),
+              HasSubstr("set: a picture lies behind links out of the set, the first of which is " +
+                        fs::canonical(outside / "2.png").string()));
+  fs::create_directory_symlink(outside, set / "gray");
+  with_others.push_back(set / "gray/2.png");
+  EXPECT_THAT(note_on_links(set, with_others), HasSubstr("2 pictures lie behind links out of"));
+}
+
+TEST_F(OtherLayouts, OfPicturesElsewhereAreReadWithALineThatSaysSo) {
+  write_imagewise("");
+  const fs::path set = folder_.path() / "set";
+  fs::create_directory(set);
+  for (const auto& entry : fs::directory_iterator(folder_.path())) {
+    if (entry.is_regular_file()) fs::create_symlink(entry.path(), set / entry.path().filename());
+  }
+  SightingSource source;
+  source.folder = set;
+  const SightedSet seen = read_sightings(source, load_target("cube"));
+  EXPECT_THAT(seen.notes, testing::Contains(HasSubstr("behind links out of the set")));
+  source.folder = folder_.path();
+  EXPECT_THAT(read_sightings(source, load_target("cube")).notes, testing::IsEmpty());
+}
+
 TEST(MaskRuns, AreColumnByColumn) {
   const TemporaryFolder folder;
   const auto mask = [&](const std::string& entry, int gt_id = 3) {
@@ -240,10 +281,18 @@ TEST(MaskRuns, AreColumnByColumn) {
   ASSERT_EQ(read.size(), cv::Size(3, 2));
   const cv::Mat expected = (cv::Mat_<uint8_t>(2, 3) << 0, 255, 0, 255, 0, 0);
   EXPECT_EQ(cv::countNonZero(read != expected), 0);
+  // As COCO's API packs 1, 2, 3 and 6, 40, 2, 12, 1000: three as they are, then -28 and 998.
+  EXPECT_EQ(cv::countNonZero(mask(R"({"size": [2, 3], "counts": "123"})") != expected), 0);
+  const std::string size = R"({"size": [53, 20], "counts": )";
+  const cv::Mat long_runs = mask(size + R"("6X12TOVo0"})");
+  ASSERT_EQ(long_runs.size(), cv::Size(20, 53));
+  EXPECT_EQ(cv::countNonZero(long_runs != mask(size + "[6, 40, 2, 12, 1000]}")), 0);
   EXPECT_TRUE(MaskRuns(folder.path() / "m.json").mask(0).empty());
   for (const char* bad :
        {R"({"size": [2, 3], "counts": [1, 2, 2]})", R"({"size": [2, 3], "counts": [1, 2, 4]})",
         R"({"size": [2, 3], "counts": [-1, 7]})", R"({"size": [2, 3], "counts": "PYQ"})",
+        R"({"size": [2, 3], "counts": "12"})", R"({"size": [2, 3], "counts": "1 23"})",
+        R"({"size": [2, 3], "counts": "1oooooooooooooooo0"})",
         R"({"size": [90000, 90000], "counts": [8100000000]})", R"({"size": [2], "counts": []})",
         R"({"size": [2, 3], "counts": [18446744073709551615, 7]})"}) {
     EXPECT_TRUE(mask(bad).empty()) << bad;

@@ -4,6 +4,7 @@
 // BOP sets as people have them: legal, but not as our own writer writes them. Each is read to the
 // numbers that the plain set gives, or is refused in one line that says what is not so.
 #include <array>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -14,6 +15,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include "eval/datasets/bop/models.h"
 #include "eval/datasets/bop/read.h"
 #include "eval/datasets/bop/results_csv.h"
 #include "eval/datasets/model_file.h"
@@ -176,7 +178,36 @@ TEST_F(OddSet, HasOneMissByVsdWhereDepthIsTornOrAbsent) {
   // One of half the size would be compared with what is elsewhere.
   write("test/000001/depth/000001.png", png_bytes(cv::Mat::zeros(kHeight / 2, kWidth / 2, CV_16U)));
   EXPECT_DOUBLE_EQ(summarise(scores(rows)).ar_vsd.value, 2.0 / 3);
-  EXPECT_THAT(note_on_vsd(scores(rows)), HasSubstr("1 of the images is missing, of another width"));
+  EXPECT_THAT(note_on_vsd(scores(rows)), HasSubstr("1 of the images is missing, of another size"));
+  write("test/000001/depth/000001.png", png_bytes(cv::Mat::zeros(kHeight - 8, kWidth, CV_16U)));
+  EXPECT_DOUBLE_EQ(summarise(scores(rows)).ar_vsd.value, 2.0 / 3);
+}
+
+TEST_F(OddSet, HasNoVsdWhereAllDepthIsOfAnotherSize) {
+  const std::string depth = png_bytes(cv::Mat::zeros(kHeight / 2, kWidth / 2, CV_16U));
+  for (const char* name : {"000000", "000001", "000002"}) {
+    write(fmt::format("test/000001/depth/{}.png", name), depth);
+  }
+  const BopScores scored = scores(row(0) + row(1) + row(2));
+  EXPECT_FALSE(scored.has_vsd);
+  EXPECT_THAT(note_on_vsd(scored), HasSubstr("the depth of all images is of another size"));
+  EXPECT_TRUE(std::isnan(summarise(scored).ar.value));
+  EXPECT_EQ(summarise(scored).ar_mssd.value, 1);
+}
+
+TEST_F(OddSet, TakesTheScaleOfItsDepthFromItsCameraWhereNoImageStatesOne) {
+  json cameras = read("test/000001/scene_camera.json");
+  cameras["1"].erase("depth_scale");
+  write("test/000001/scene_camera.json", cameras.dump());
+  EXPECT_EQ(dataset().images[1].depth_scale, 1);
+  EXPECT_THAT(dataset().notes, ElementsAre(HasSubstr("1 image with depth but no depth_scale: 1 mm "
+                                                     "counts, as nothing else is stated")));
+  write("camera.json", R"({"depth_scale": 0.1})");
+  EXPECT_EQ(dataset().images[0].depth_scale, 1);
+  EXPECT_EQ(dataset().images[1].depth_scale, 0.1);
+  EXPECT_THAT(dataset().notes, ElementsAre(HasSubstr("0.1 mm counts, by ")));
+  fs::remove_all(scene() / "depth");
+  EXPECT_THAT(dataset().notes, IsEmpty());
 }
 
 TEST_F(OddSet, TakesTheWidthOfItsPicturesAndNotThatOfItsCamera) {
@@ -231,12 +262,90 @@ TEST_F(OddSet, NeedsTheModelsOfItsTargetsAlone) {
   const std::string rows = row(0) + row(1) + row(2);
   write("models/models_info.json", R"({"000001": {"diameter": 173.205}, "2": {"diameter": 5}})");
   EXPECT_EQ(recall(rows), 1);
+  write("models/models_info.json", R"({"1": {"symmetries_discrete": []}})");
+  EXPECT_NEAR(dataset().models.at(1).diameter_mm, 173.205, 1e-3);
+  EXPECT_THAT(dataset().notes, IsEmpty());
   fs::remove(set() / "models/models_info.json");
+  EXPECT_THAT(dataset().notes, ElementsAre(HasSubstr("has no models_info.json: diameters are "
+                                                     "measured, and no object has symmetries")));
   EXPECT_NEAR(dataset().models.at(1).diameter_mm, 173.205, 1e-3);
   fs::rename(set() / "models", set() / "models_cad");
   EXPECT_EQ(recall(rows), 1);
   fs::remove(set() / "models_cad/obj_000001.ply");
   EXPECT_THAT(error(), HasSubstr("obj_000001.ply: is missing"));
+}
+
+// Many sets have it there alone: without its symmetries the recalls would be others.
+TEST_F(OddSet, TakesModelsInfoOfModelsWhereModelsEvalHasNone) {
+  write(
+      "models/models_info.json",
+      R"({"1": {"diameter": 170, "symmetries_discrete": [[-1,0,0,0,0,-1,0,0,0,0,1,0,0,0,0,1]]}})");
+  const std::string turned = "-1 0 0 0 -1 0 0 0 1";
+  const std::string rows = row(0, turned) + row(1, turned) + row(2, turned);
+  EXPECT_EQ(recall(rows), 1);
+  fs::create_directories(set() / "models_eval");
+  write("models_eval/obj_000001.ply", ply_bytes(cube()));
+  EXPECT_EQ(recall(rows), 1);
+  EXPECT_EQ(bop_model_facts(set(), 1).symmetries.poses.size(), 2u);
+  write("models_eval/models_info.json", R"({"1": {"diameter": 170}})");
+  EXPECT_EQ(recall(rows), 0) << "its own counts";
+}
+
+TEST_F(OddSet, IsNotJudgedByWhatNobodyAsksFor) {
+  json truths = read("test/000001/scene_gt.json");
+  json cameras = read("test/000001/scene_camera.json");
+  truths["7"] = {truth()};  // an image that is on no list, of a camera that is none
+  cameras["7"] = {{"cam_K", {1, 2, 3}}};
+  write("test/000001/scene_camera.json", cameras.dump());
+  write("test/000001/scene_gt_info.json", R"({"7": []})");
+  truths["0"].push_back({{"obj_id", 8}});
+  truths["1"].push_back({{"obj_id", 8}, {"cam_R_m2c", {1}}, {"cam_t_m2c", {0, 0, 1e15}}});
+  write("test/000001/scene_gt.json", truths.dump());
+  const auto listed = [this](const std::string& more) {
+    std::string list;
+    for (int im_id = 0; im_id < 3; ++im_id) {
+      list +=
+          fmt::format(R"({{"scene_id": 1, "im_id": {}, "obj_id": 1.0, "inst_count": 1}}, )", im_id);
+    }
+    write("test_targets_bop19.json", "[" + list + more + "]");
+    return error();
+  };
+  // An object of which none is asked for need not be there at all.
+  EXPECT_EQ(listed(R"({"scene_id": 1, "im_id": 0, "obj_id": 9, "inst_count": 0})"), "");
+  EXPECT_EQ(recall(row(0) + row(1) + row(2)), 1);
+  EXPECT_THAT(listed(R"({"scene_id": 1, "im_id": 0, "obj_id": 8, "inst_count": 1})"),
+              HasSubstr("scene_gt.json: is not as its format has it: has no 'cam_R_m2c'"));
+  EXPECT_THAT(listed(R"({"scene_id": 1, "im_id": 7, "obj_id": 1, "inst_count": 1})"),
+              HasSubstr("scene_camera.json: cam_K has 3 numbers"));
+  EXPECT_THAT(listed(R"({"scene_id": 1, "im_id": 0, "obj_id": 9, "inst_count": -1})"),
+              HasSubstr("test_targets_bop19.json: inst_count must be 0 or more"));
+  // An image of which nothing is asked for has no target, and not those that are visible.
+  write("test_targets_bop19.json", R"([{"scene_id": 1, "im_id": 0, "obj_id": 1, "inst_count": 1},
+                                       {"scene_id": 1, "im_id": 2, "obj_id": 1, "inst_count": 0}])");
+  EXPECT_EQ(dataset().images.size(), 1u);
+}
+
+TEST_F(OddSet, ReadsNoScenesInFoldersWhoseNamesAreNoNumbers) {
+  for (const char* name : {"000001 (copy)", ".ipynb_checkpoints"}) {
+    fs::copy(scene(), set() / "test" / name, fs::copy_options::recursive);
+  }
+  EXPECT_EQ(dataset().images.size(), 3u);
+  EXPECT_THAT(dataset().notes,
+              ElementsAre(HasSubstr("test: not read as scenes, whose names are numbers: "
+                                    ".ipynb_checkpoints, 000001 (copy)")));
+  fs::remove_all(scene());
+  EXPECT_THAT(error(), HasSubstr("test: not read as scenes, whose names are numbers: .ipynb"));
+}
+
+TEST_F(OddSet, OffersTheSplitsThatThereAre) {
+  fs::rename(set() / "test", set() / "test_one");
+  fs::copy(set() / "test_one", set() / "test_two", fs::copy_options::recursive);
+  EXPECT_THAT(error(), HasSubstr("test: is no folder; say --split test_one or test_two"));
+  EXPECT_THAT(error_of([this] { read_bop_dataset(set() / "test_one", ""); }),
+              HasSubstr("it is a split itself: name the folder of the set, above it"));
+  fs::remove_all(set() / "test_one");
+  fs::remove_all(set() / "test_two");
+  EXPECT_THAT(error(), testing::EndsWith("test: is no folder"));
 }
 
 TEST_F(OddSet, IsRefusedInWordsOfOurs) {
@@ -247,6 +356,7 @@ TEST_F(OddSet, IsRefusedInWordsOfOurs) {
   EXPECT_THAT(truth_with(R"({"0": [{"obj_id": 1.5}]})"),
               HasSubstr("obj_id is 1.5, must be a whole"));
   EXPECT_THAT(truth_with(R"({"0": [{"obj_id": 1}]})"), HasSubstr("has no 'cam_R_m2c'"));
+  EXPECT_THAT(truth_with(R"({"0": [{"obj_id": NaN}]})"), HasSubstr("obj_id is null or NaN, must"));
   EXPECT_THAT(truth_with("{\n \"0\": [}"), HasSubstr("is no JSON at line 2, column 8"));
   for (const std::string text : {"[]", "3", "{\"x\": []}", "{\"0\": 7}", "{\"0\": [7]}"}) {
     EXPECT_THAT(truth_with(text), AllOf(HasSubstr("scene_gt.json: "), Not(HasSubstr("json.exc"))));
@@ -283,6 +393,8 @@ TEST_F(OddSet, IsRefusedWhereNothingCouldBeScored) {
     EXPECT_THAT(camera_error("cam_K", k),
                 HasSubstr("scene_camera.json: image 1: cam_K must be fx s cx, 0 fy cy, 0 0 1"));
   }
+  EXPECT_THAT(camera_error("cam_model", json::object()),
+              HasSubstr("scene_camera.json: image 1: has both cam_K and cam_model"));
   EXPECT_THAT(camera_error("depth_scale", -1.0),
               HasSubstr("scene_camera.json: image 1: depth_scale is -1, must be above 0"));
   EXPECT_EQ(camera_error("depth_scale", 0.1), "");
@@ -351,6 +463,13 @@ TEST_F(OddSet, NeedsNoCameraOfAnImageThatShowsNothing) {
   truths["7"].push_back(truth());
   write("test/000001/scene_gt.json", truths.dump());
   EXPECT_THAT(error(), HasSubstr("scene_camera.json: has no image 7"));
+}
+
+TEST_F(OddSet, SaysWhichPicturesItHasThroughLinks) {
+  fs::rename(scene() / "rgb", folder_.path() / "elsewhere");
+  fs::create_directory_symlink(folder_.path() / "elsewhere", scene() / "rgb");
+  EXPECT_THAT(dataset().notes,
+              ElementsAre(HasSubstr("3 pictures lie behind links out of the set")));
 }
 
 TEST_F(OddSet, HasPicturesInWebP) {

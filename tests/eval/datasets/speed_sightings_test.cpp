@@ -103,6 +103,10 @@ TEST_F(ForeignSpeed, HasItsCameraInManyWays) {
   const Camera in_pixels = camera(R"({"Nu": 320, "Nv": 240, "ppx": 1e-5, "ppy": 1e-5, "fx": 900,
                                       "fy": 915, "distCoeffs": [[1, 2, 3, 4, 5, 0, 0, 0]]})");
   EXPECT_EQ(in_pixels.fx_px, 900);
+  const Camera in_mm =
+      camera(R"({"Nu": 320, "Nv": 240, "ppx": 0.01, "ppy": 0.02, "fx": 17.6, "fy": 9})");
+  EXPECT_DOUBLE_EQ(in_mm.fx_px, 1760);
+  EXPECT_DOUBLE_EQ(in_mm.fy_px, 450);
   EXPECT_EQ(std::get<BrownConrady>(in_pixels.lens).k3, 5);
   EXPECT_EQ(camera(R"({"cameraMatrix": [900, 0, 160, 0, 915, 120, 0, 0, 1]})").fy_px, 915);
   const std::string matrix = R"({"cameraMatrix": [900, 2, 160, 0, 915, 120, 0, 0, 1],)";

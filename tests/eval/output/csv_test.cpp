@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,6 +66,27 @@ TEST(CsvLine, EmptyFieldsKeepTheirPlaces) {
 }
 
 // As editors on Windows save "Unicode": the text of an error would end at the first byte of 0.
+TEST(CsvReader, TakesNumbersAndLinesAsOthersWriteThem) {
+  const TemporaryFolder folder;
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    const auto text = fmt::format("a,b{0}+3,03{0}3.0,-3e0{0}", end);
+    CsvReader csv(folder.write("t.csv", text));
+    for (const int b : {3, -3}) {
+      ASSERT_TRUE(csv.next());
+      EXPECT_EQ(csv.integer("a"), 3);
+      EXPECT_EQ(csv.integer("b"), b);
+    }
+    EXPECT_EQ(csv.line(), 3);
+    EXPECT_FALSE(csv.next());
+  }
+  for (const char* bad : {"3.5", "3000000000", "nan", "inf", "three", "3 4", "++3"}) {
+    CsvReader csv(folder.write("t.csv", fmt::format("a\n{}\n", bad)));
+    ASSERT_TRUE(csv.next());
+    EXPECT_THAT(error_of([&] { csv.integer("a"); }), testing::HasSubstr("must be a whole number"))
+        << bad;
+  }
+}
+
 TEST(CsvReader, RefusesWhatIsNoText) {
   const TemporaryFolder folder;
   const auto error = [&](const std::string& text) {

@@ -248,6 +248,17 @@ TEST_F(Program, BadInputIsOneLineAndLeavesNothing) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 2);
 }
 
+TEST_F(Program, LinksInACircleAreOneLineOfOurs) {
+  fs::create_directories(path("set/test"));
+  fs::create_directory_symlink("000001", path("set/test/000001"));
+  const Outcome outcome =
+      run("score " + path("r.csv") + " --dataset " + path("set") + " --out " + path("scores"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(lines_of(outcome.output), 1u) << outcome.output;
+  EXPECT_THAT(outcome.output, testing::AllOf(HasSubstr("test/000001"), HasSubstr("symbolic links"),
+                                             testing::Not(HasSubstr("filesystem error"))));
+}
+
 TEST_F(Program, AnOutputFolderInUseIsRefusedAndKept) {
   folder_.write("kept.txt", "precious");
   const Outcome outcome = run("study boeing-table1 --trials 1 --out " + folder_.path().string());

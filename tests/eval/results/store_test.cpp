@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/results/store.h"
 
+#include <cstdint>
 #include <fstream>
 #include <limits>
 
@@ -9,6 +10,7 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "tests/eval/results/stored_trials.h"
@@ -109,6 +111,58 @@ TEST_F(StoreTest, RollsBackWhatAKilledWriterLeft) {
   ASSERT_GT(std::filesystem::file_size(file("killed")), size_before) << "nothing to roll back";
   expect_same(Store::open(file("killed")).trials(), {drawn_trial(0)});
   EXPECT_EQ(std::filesystem::file_size(file("killed")), size_before);
+}
+
+// A journal that ends with the name of a file has SQLite remove that file, whatever it is.
+TEST_F(StoreTest, IsNotOpenedBesideAJournalThatNamesAFile) {
+  namespace fs = std::filesystem;
+  Store::create(file(), {}).add(std::vector{drawn_trial(0)});
+  const fs::path precious = file("precious"), journal = file("results.sqlite-journal");
+  std::ofstream(precious) << "years of work";
+  SQLite::Database writer(file().string(), SQLite::OPEN_READWRITE);
+  writer.exec("BEGIN; UPDATE trials SET true_tx_m = 1");
+  fs::copy_file(file(), file("copy"));
+  fs::copy_file(journal, file("copy-journal"));
+  writer.exec("ROLLBACK");
+  expect_same(Store::open(file("copy")).trials(), {drawn_trial(0)});
+
+  const std::string name = precious.string();
+  const auto big_endian = [](uint32_t value) {
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+    return bytes;
+  };
+  uint32_t sum = 0;
+  for (const char letter : name) sum += static_cast<uint32_t>(letter);
+  std::ofstream(journal, std::ios::binary)
+      << std::string("\xd9\xd5\x05\xf9\x20\xa1\x63\xd7") << std::string(504, '\0') << big_endian(0)
+      << name << big_endian(static_cast<uint32_t>(name.size())) << big_endian(sum)
+      << "\xd9\xd5\x05\xf9\x20\xa1\x63\xd7";
+  expect_complaint(error_of([&] { Store::open(file()); }), journal, "is of several databases");
+  EXPECT_TRUE(fs::exists(precious));
+
+  // Nor is a pipe waited for, or what a link leads to looked at.
+  for (const char* ending : {"-journal", "-wal", "-shm"}) {
+    const fs::path beside = file(("results.sqlite" + std::string(ending)).c_str());
+    fs::remove(journal);
+    ASSERT_EQ(mkfifo(beside.c_str(), 0600), 0);
+    expect_complaint(error_of([&] { Store::open(file()); }), beside, "must be a file");
+    fs::remove(beside);
+    fs::create_symlink(precious, beside);
+    expect_complaint(error_of([&] { Store::open(file()); }), beside, "must be a file");
+    fs::remove(beside);
+  }
+  expect_same(Store::open(file()).trials(), {drawn_trial(0)});
+}
+
+TEST_F(StoreTest, IsReadButNotWrittenThroughALink) {
+  Store::create(file("there"), {}).add(std::vector{drawn_trial(0)});
+  std::filesystem::create_symlink(file("there"), file());
+  Store store = Store::open(file());
+  expect_same(store.trials(), {drawn_trial(0)});
+  expect_complaint(error_of([&] { store.add(std::vector{drawn_trial(1)}); }), file(),
+                   "is a link, which nothing is written through");
+  EXPECT_EQ(Store::open(file("there")).size(), 1);
 }
 
 TEST_F(StoreTest, LeavesNoOtherFileBehind) {

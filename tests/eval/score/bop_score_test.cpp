@@ -110,6 +110,20 @@ TEST(BopScore, TheMostVisibleInstancesAreAskedFor) {
   EXPECT_EQ(summarise(score_bop(dataset, std::array{estimate(0, 0)}, 15)).ar_mssd.value, 0);
 }
 
+TEST(BopScore, OfEstimatesInAnotherUnitAreNotedAsSuch) {
+  const BopDataset dataset = cubes(2);
+  const auto note = [&](double factor_of_first, double factor_of_second) {
+    std::vector<BopEstimate> estimates = {estimate(0, 10), estimate(1, 10)};
+    estimates[0].cam_from_model.translation *= factor_of_first;
+    estimates[1].cam_from_model.translation *= factor_of_second;
+    return note_on_units(dataset, estimates, score_bop(dataset, estimates, 15));
+  };
+  EXPECT_THAT(note(1e-3, 1e-3), HasSubstr("all estimates are over 100 times nearer or farther"));
+  EXPECT_THAT(note(1e3, 1e3), HasSubstr("t must be in mm"));
+  EXPECT_EQ(note(1e-3, 0.5), "");
+  EXPECT_EQ(note_on_units(dataset, {}, score_bop(dataset, {}, 15)), "");
+}
+
 TEST(BopScore, EstimatesOfWhatIsNotAskedForAreIgnored) {
   std::vector<BopEstimate> estimates{estimate(0, 0), estimate(7, 0), estimate(0, 0)};
   estimates[2].obj_id = 2;
@@ -187,6 +201,22 @@ TEST_F(ScoreProgram, GivesTheTruthOfOurOwnSetsFullMarksAndMetresNone) {
     EXPECT_EQ(read("metres/scores.json")["all"][key]["value"], 0.0) << key;
   }
   EXPECT_THAT(read_whole(path("metres/report.html")), HasSubstr("Average recall: 0.000"));
+}
+
+TEST_F(ScoreProgram, NotesNamesThatWouldSteerATerminalInPlainLines) {
+  render_set();
+  write_truth("mm.csv", 1);
+  const fs::path copy = path("set/test/\x1b[31m\nred");
+  fs::copy(path("set/test/000000"), copy, fs::copy_options::recursive);
+  fs::remove(path("set/test_targets_bop19.json"));
+  for (const Outcome& outcome :
+       {score("mm.csv", "--quiet --out " + path("scores")),
+        run("evaluate " + path("set") + " --target cube --solvers lspe --quiet --out " +
+            path("run"))}) {
+    EXPECT_THAT(outcome.output, HasSubstr("not read as scenes, whose names are numbers: "));
+    EXPECT_EQ(outcome.output.find('\x1b'), std::string::npos) << outcome.output;
+    EXPECT_EQ(outcome.output.find("\nred"), std::string::npos) << outcome.output;
+  }
 }
 
 TEST_F(ScoreProgram, SaysInALineWhatIsWrong) {

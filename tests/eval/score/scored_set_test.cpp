@@ -4,11 +4,15 @@
 // `score` with several methods, with requirements, and of sets in SPEED+'s format.
 #include "eval/score/scored_set.h"
 
+#include <map>
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "eval/datasets/picture_names.h"
+#include "eval/score/score.h"
 #include "tests/eval/program.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
@@ -116,8 +120,16 @@ TEST_F(SpeedScores, SayInALineWhatIsWrong) {
   const std::string row = csv().substr(0, csv().find('\n') + 1);
   EXPECT_EQ(read_estimates(folder_.write("good.csv", row), set).size(), 1u);
   EXPECT_THAT(error("twice.csv", row + row), HasSubstr("twice.csv: line 2 names a picture that"));
-  EXPECT_THAT(error("no.csv", "img9.png,1,0,0,0,0,0,9\n"),
-              HasSubstr("line 1: the set has no picture"));
+  EXPECT_THAT(
+      error("no.csv", "img9.png,1,0,0,0,0,0,9\n"),
+      HasSubstr("no.csv: the set has none of its pictures, the first of which is 'img9.png'"));
+  EXPECT_EQ(error("more.csv", row + "img9.png,1,0,0,0,0,0,9\n"), "") << "of another split";
+  EXPECT_EQ(score_bop(set.dataset, read_estimates(path("more.csv"), set), 15).ignored_estimates,
+            1u);
+  EXPECT_THAT(error("none.csv", "\n"), HasSubstr("none.csv: has no estimates"));
+  EXPECT_THAT(error("none.json", "[]"), HasSubstr("none.json: has no estimates"));
+  EXPECT_THAT(error("paths.csv", row + "images/" + row),
+              HasSubstr("has two estimates of one picture"));
   EXPECT_THAT(error("few.csv", row + "img000001.png,1,0\n"), HasSubstr("line 2 has 3 fields"));
   EXPECT_THAT(error("text.csv", "img000001.png,1,0,0,0,0,x,9\n"), HasSubstr("line 1 has 'x'"));
   EXPECT_EQ(error("long.csv", "img000001.png,2,0,0,0,0,0,9\n"), "");
@@ -126,6 +138,13 @@ TEST_F(SpeedScores, SayInALineWhatIsWrong) {
   EXPECT_THAT(error("list.json", R"([{"filename": "img000001.png"}])"),
               HasSubstr("has no 'q_vbs2tango_true'"));
   EXPECT_THAT(error("text.json", "[1"), HasSubstr("is not as its format has it"));
+
+  const json list = json::parse(read_whole(path("set/train.json")));
+  json twice = list;
+  twice.push_back(list.front());
+  folder_.write("set/train.json", twice.dump());
+  EXPECT_THAT(error_of([&] { read_scored_set(path("set"), ""); }), HasSubstr("is listed twice"));
+  folder_.write("set/train.json", list.dump());
 
   const std::string good = path("good.csv");
   const std::string out = " --out " + path("out");
@@ -137,6 +156,27 @@ TEST_F(SpeedScores, SayInALineWhatIsWrong) {
     EXPECT_EQ(lines_of(outcome.output), 1u) << outcome.output;
   }
   EXPECT_FALSE(fs::exists(path("out")));
+}
+
+// Sets may have pictures of one name in several folders: an estimate must say of which it is.
+TEST_F(SpeedScores, KnowPicturesByTheirFoldersToo) {
+  PictureNames names;
+  names.add("/set/images/a/1.png", 0);
+  names.add("/set/images/b/1.png", 1);
+  names.add("/set/images/b/2.png", 2);
+  for (const auto& [name, id] : std::map<std::string, int>{{"a/1.png", 0},
+                                                           {"images/b/1.png", 1},
+                                                           {"./b//1.png", 1},
+                                                           {"2.png", 2},
+                                                           {"elsewhere/2.png", 2},
+                                                           {"/set/images/a/1.png", 0}}) {
+    EXPECT_EQ(names.find(name, "r.csv"), id) << name;
+  }
+  EXPECT_EQ(names.find("3.png", "r.csv"), std::nullopt);
+  for (const char* name : {"1.png", "c/1.png"}) {
+    EXPECT_THAT(error_of([&] { names.find(name, "r.csv"); }),
+                HasSubstr("r.csv: the set has several pictures '1.png': say which"));
+  }
 }
 
 }  // namespace

@@ -94,8 +94,16 @@ TEST(Shard, AutoAsksTheEngine) {
 TEST(Shard, AutoWithoutACountOrOutOfRangeIsAnInputError) {
   EXPECT_THROW(read("auto", {{"JOB_COMPLETION_INDEX", "5"}}), InputError);
   EXPECT_THROW(read("auto/4", {{"JOB_COMPLETION_INDEX", "5"}}), InputError);
-  EXPECT_THAT(error_of([] { read("auto", {{"PMI_RANK", "x"}, {"PMI_SIZE", "2"}}); }),
+  EXPECT_THAT(error_of([] {
+                read("auto", {{"PMI_RANK", "x"}, {"PMI_SIZE", "2"}});
+              }),
               HasSubstr("PMI_RANK is 'x', must be a whole number"));
+  const std::string most = "2147483647", least = "-2147483648";
+  EXPECT_THROW(read("auto", {{"SLURM_ARRAY_TASK_ID", most},
+                             {"SLURM_ARRAY_TASK_MIN", least},
+                             {"SLURM_ARRAY_TASK_MAX", most},
+                             {"SLURM_ARRAY_TASK_COUNT", "0"}}),
+               InputError);
 }
 
 // 16 bytes a pixel: 16384 x 16384 take 4.3 GB, in two processes 8.6.
