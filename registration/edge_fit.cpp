@@ -87,6 +87,13 @@ class Search {
   std::vector<Candidate> best_;
 };
 
+std::vector<EdgePoint> edge_points_at(const Pose& pose, const Camera& camera, BasisDrawer& drawer) {
+  BasisOptions options;
+  options.margin_px = 2;
+  const auto images = drawer.draw(pose, options);
+  return images ? edge_points(*images, camera, pose) : std::vector<EdgePoint>{};
+}
+
 // Follows the nearest edges along the normals.
 class EdgeFitter {
  public:
@@ -100,11 +107,8 @@ class EdgeFitter {
 
   // The mesh's edges as seen at a pose; empty where it cannot be drawn.
   std::vector<EdgePoint> points_at(const Pose& pose) {
-    BasisOptions options;
-    options.margin_px = 2;
     ++drawings_;
-    const auto images = drawer_.draw(pose, options);
-    return images ? edge_points(*images, camera_, pose) : std::vector<EdgePoint>{};
+    return edge_points_at(pose, camera_, drawer_);
   }
 
   int drawings() const { return drawings_; }
@@ -126,10 +130,6 @@ class EdgeFitter {
     fit.support = edge_support(edges_, camera_, points, fit.cam_from_target);
     fit.contrast = outline_contrast(edges_, camera_, points, fit.cam_from_target);
     return fit;
-  }
-
-  double support_at(const Pose& pose) {
-    return edge_support(edges_, camera_, points_at(pose), pose);
   }
 
  private:
@@ -256,8 +256,7 @@ class EdgeFitter {
 
 }  // namespace
 
-std::optional<EdgeFit> fit_edges(const GreyImage& image, const Mesh& mesh, const PosePrior& prior,
-                                 const std::optional<Pose>& guess) {
+std::optional<EdgeFit> fit_edges(const GreyImage& image, const Mesh& mesh, const PosePrior& prior) {
   constexpr size_t kFewest = 30;
   EdgeFitter fitter(image, mesh, prior);
   std::vector<EdgePoint> points = fitter.points_at(prior.cam_from_target);
@@ -267,10 +266,14 @@ std::optional<EdgeFit> fit_edges(const GreyImage& image, const Mesh& mesh, const
     const EdgeFit fit = fitter.fit(start);
     if (!best || fit.support > best->support) best = fit;
   }
-  if (!best) return best;
-  if (guess) best->guess_support = fitter.support_at(*guess);
-  best->drawings = fitter.drawings();
+  if (best) best->drawings = fitter.drawings();
   return best;
+}
+
+double edge_support_at(const GreyImage& image, const Mesh& mesh, const Pose& cam_from_target) {
+  BasisDrawer drawer(mesh, image.camera);
+  return edge_support(EdgeImage(image, kSharpBlurPx), image.camera,
+                      edge_points_at(cam_from_target, image.camera, drawer), cam_from_target);
 }
 
 }  // namespace sightline

@@ -23,7 +23,6 @@ struct EdgeFit {
   Matrix6d covariance = Matrix6d::Zero();  ///< of (w, dt), prior included; radians and metres
   double support = 0;                      ///< edge_support there
   double contrast = 0;                     ///< outline_contrast there
-  double guess_support = 0;                ///< edge_support at the guess
   int drawings = 0;                        ///< of the mesh, by all fits
 
   bool is_believable() const { return contrast >= kLeastOutlineContrast; }
@@ -35,9 +34,10 @@ struct EdgeFit {
 /// 24(7), 2002) by least squares with Tukey's weights. For targets whose faces are printed: grey
 /// levels then say nothing, while outline and creases stay where they are. The same for the same
 /// image and prior. None where the mesh shows less than 30 px of edges. Neighbouring points of an
-/// edge err together; the covariance counts 30 of them as one. `guess` is a pose to be judged
-/// beside it.
-std::optional<EdgeFit> fit_edges(const GreyImage& image, const Mesh& mesh, const PosePrior& prior,
-                                 const std::optional<Pose>& guess = std::nullopt);
+/// edge err together; the covariance counts 30 of them as one.
+std::optional<EdgeFit> fit_edges(const GreyImage& image, const Mesh& mesh, const PosePrior& prior);
+
+/// The edge_support of another pose, to compare with that of such a fit.
+double edge_support_at(const GreyImage& image, const Mesh& mesh, const Pose& cam_from_target);
 
 }  // namespace sightline

@@ -119,9 +119,10 @@ class Trials {
     return looks_like_model(best_) || (is_agreed_ && !is_alien(best_));
   }
 
-  // Whether other starts may lead to a better fit: not where two agree, nor where faces are
-  // printed.
-  bool may_improve() const { return !best_.is_ok() || (!is_agreed_ && best_.lost <= kAlienLost); }
+  // Only print leaves so much that nothing explains, and other starts change nothing there.
+  bool is_best_printed() const { return best_.is_ok() && best_.lost > kAlienLost; }
+
+  bool may_improve() const { return !is_agreed_ && !is_best_printed(); }
 
   bool is_best_alien() const { return !best_.is_ok() || is_alien(best_); }
 
@@ -131,11 +132,12 @@ class Trials {
   }
 
   // What edges say of an image that does not look like the model: they confirm the fit of grey
-  // levels, which is the finer one, or their own pose is the answer.
-  Registration result(const RegistrationTask& task, const EdgeFit& edges) const {
+  // levels, which is the finer one, or their own pose is the answer. `support` is the edges' of the
+  // fit of grey levels.
+  Registration result(const RegistrationTask& task, const EdgeFit& edges, double support) const {
     Registration out = counted();
     out.drawings += edges.drawings;
-    if (!is_confirmed_by(edges, task.prior)) {
+    if (!is_confirmed_by(edges, support, task.prior)) {
       out.cam_from_target = edges.cam_from_target;
       out.covariance = edges.covariance;
       out.status = RegistrationStatus::kOk;
@@ -163,11 +165,11 @@ class Trials {
   // Whether edges have nothing against the fit of grey levels: they lie where it does, or support
   // it nearly as much as their own. Right fits have at least 0.97 of that, fits of print at most
   // 0.75, but where the outline is the same again, which is for the prior to tell.
-  bool is_confirmed_by(const EdgeFit& edges, const PosePrior& prior) const {
+  bool is_confirmed_by(const EdgeFit& edges, double support, const PosePrior& prior) const {
     constexpr double kFarthest = 25;  // squared sds
     constexpr double kNearlyAsMuch = 0.9;
     if (!best_.is_ok() || !is_allowed_by(prior, best_.cam_from_target)) return false;
-    return edges.guess_support >= kNearlyAsMuch * edges.support ||
+    return support >= kNearlyAsMuch * edges.support ||
            mahalanobis2(change_between(edges.cam_from_target, best_.cam_from_target),
                         edges.covariance) < kFarthest;
   }
@@ -231,8 +233,12 @@ Registration register_mesh(const RegistrationTask& task, const RegistrationOptio
     }
   }
   if (trials.is_best_alien()) {
-    if (const auto edges = fit_edges(image, task.mesh, task.prior, trials.pose())) {
-      return trials.result(task, *edges);
+    if (const auto edges = fit_edges(image, task.mesh, task.prior)) {
+      if (!trials.is_best_printed()) {
+        trials.take(fitter.fit(fit_levels(image, true), edges->cam_from_target, kTightSd));
+      }
+      const auto pose = trials.pose();
+      return trials.result(task, *edges, pose ? edge_support_at(image, task.mesh, *pose) : 0);
     }
   }
   return trials.result(task);

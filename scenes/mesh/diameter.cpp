@@ -136,14 +136,17 @@ struct LongPair {
   Vector3d middle() const { return a + (b - a) / 2; }
 };
 
-// From a point to the farthest from it, and from there on while that is farther.
+// From a point to the farthest from it, and from there on while that is farther. A few times: points
+// can be laid such that it goes on through all of them.
 LongPair climb(const Vector3d& start, const std::vector<Vector3d>& points) {
+  constexpr int kMostSteps = 8;
   LongPair pair{start, farthest_from(start, points)};
-  while (true) {
+  for (int step = 0; step < kMostSteps; ++step) {
     const LongPair next{pair.b, farthest_from(pair.b, points)};
-    if (next.squared() <= pair.squared()) return pair;
+    if (next.squared() <= pair.squared()) break;
     pair = next;
   }
+  return pair;
 }
 
 }  // namespace

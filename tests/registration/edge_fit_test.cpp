@@ -133,11 +133,10 @@ TEST(EdgeFit, FindsAPrintedBrick) {
     ASSERT_TRUE(fit);
     EXPECT_LT(error_deg(fit->cam_from_target, seen.scene), kFoundDeg);
     EXPECT_TRUE(fit->is_believable()) << fit->contrast;
-    const auto again = fit_edges(image, mesh, seen.prior, seen.scene.cam_from_target);
+    const auto again = fit_edges(image, mesh, seen.prior);
     EXPECT_EQ(again->cam_from_target.rotation, fit->cam_from_target.rotation);
-    EXPECT_GT(again->guess_support, 0.97 * again->support) << "at the truth";
-    EXPECT_LT(fit_edges(image, mesh, seen.prior, seen.prior.cam_from_target)->guess_support,
-              0.9 * again->support);
+    EXPECT_GT(edge_support_at(image, mesh, seen.scene.cam_from_target), 0.97 * fit->support);
+    EXPECT_LT(edge_support_at(image, mesh, seen.prior.cam_from_target), 0.9 * fit->support);
     PosePrior aside = seen.prior;
     aside.covariance /= 100;
     aside.cam_from_target.rotation =

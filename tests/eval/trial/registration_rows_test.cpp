@@ -86,16 +86,19 @@ TEST(RegistrationRows, AreNotLedAstrayByACubeSeenFromInFront) {
   EXPECT_FALSE(laid_from_prior("feature-localisation", 5, 46, {}).is_ok()) << "too narrow to tell";
 }
 
-// Shadows, clouds and half a mesh: the image does not look like the model. Edges lie 0.74 degrees
-// off, but support the fit of grey levels nearly as much.
-TEST(RegistrationRows, AreNotLedAstrayByEdges) {
-  const EstimateRecord found =
-      laid_from_prior("registration-nuisances", 2026, 36,
-                      {"light.casts_shadow=true", "light.specular=0.2", "background.kind=clouds",
-                       "background.contrast=0.3", "other.0.count=1", "image.psf_sigma_px=1.0",
-                       "extraction.registration_mesh_percent=50.0"});
-  ASSERT_TRUE(found.is_ok());
-  EXPECT_LT(found.geodesic_deg, 0.2);
+// Shadows, clouds and half a mesh: the image does not look like the model. In one frame edges lie
+// 0.74 degrees off, but support the fit of grey levels nearly as much; in the other two starts
+// agree on a pose 0.68 degrees off, and a fit that begins where the edges are is better.
+TEST(RegistrationRows, AreNotLedAstrayWhereTheModelIsWrong) {
+  for (const int trial : {36, 376}) {
+    const EstimateRecord found =
+        laid_from_prior("registration-nuisances", 2026, trial,
+                        {"light.casts_shadow=true", "light.specular=0.2", "background.kind=clouds",
+                         "background.contrast=0.3", "other.0.count=1", "image.psf_sigma_px=1.0",
+                         "extraction.registration_mesh_percent=50.0"});
+    ASSERT_TRUE(found.is_ok()) << trial;
+    EXPECT_LT(found.geodesic_deg, 0.2) << trial;
+  }
 }
 
 TEST(RegistrationRows, TheBoundGrowsWithTheRange) {
