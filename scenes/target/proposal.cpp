@@ -24,6 +24,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kMaxBendDeg = 15;       // between neighbouring edges of one chain
+constexpr double kMaxBowDeg = 6;         // between the halves of a straight edge
 constexpr size_t kMaxEdges = 4000;       // the longest; pairs are formed of them
 constexpr size_t kMaxCandidates = 400;   // each takes thousands of rays
 constexpr double kViewDistance = 100;    // of the size: as good as parallel rays
@@ -123,14 +124,15 @@ std::vector<std::array<int, 2>> continuations(const Mesh& mesh,
 struct Chain {
   int part = 0;
   std::vector<int> vertices;
+  bool is_ring = false;  // goes on at its end as it begins
 };
 
 std::vector<Chain> chains_of(const Mesh& mesh, const std::vector<Crease>& creases) {
   const auto next = continuations(mesh, creases);
   std::vector<bool> is_used(creases.size(), false);
   std::vector<Chain> chains;
-  const auto follow = [&](int crease, int begin) {
-    Chain chain{creases[crease].part, {creases[crease].vertex[begin]}};
+  const auto follow = [&](int crease, int begin, bool is_ring) {
+    Chain chain{creases[crease].part, {creases[crease].vertex[begin]}, is_ring};
     while (crease >= 0 && !is_used[crease]) {
       is_used[crease] = true;
       const auto& v = creases[crease].vertex;
@@ -144,7 +146,7 @@ std::vector<Chain> chains_of(const Mesh& mesh, const std::vector<Crease>& crease
     for (size_t i = 0; i < creases.size(); ++i) {
       for (int end = 0; end < 2; ++end) {
         const bool is_start = pass == 1 || next[i][end] < 0;
-        if (is_start && !is_used[i]) follow(static_cast<int>(i), end);
+        if (is_start && !is_used[i]) follow(static_cast<int>(i), end, pass == 1);
       }
     }
   }
@@ -155,6 +157,7 @@ std::vector<Chain> chains_of(const Mesh& mesh, const std::vector<Crease>& crease
 struct StraightEdge {
   int part = 0;
   std::array<Vector3d, 2> end;
+  std::array<bool, 2> has_end = {true, true};  // not where it is a piece of an arc that goes on
   Vector3d direction() const { return (end[1] - end[0]).normalized(); }
   double length_m() const { return (end[1] - end[0]).norm(); }
 };
@@ -182,7 +185,29 @@ StraightEdge fit(const Mesh& mesh, const Chain& chain, size_t first, size_t last
   const auto foot = [&](size_t i) {
     return Vector3d(centre + along * along.dot(mesh.vertices[chain.vertices[i]] - centre));
   };
-  return {chain.part, {foot(first), foot(last)}};
+  return {.part = chain.part, .end = {foot(first), foot(last)}};
+}
+
+// The turn from one half of a piece to the other, each from end to end: of an arc, half of its own.
+double bow_rad(const Mesh& mesh, const Chain& chain, size_t first, size_t last) {
+  const auto at = [&](size_t i) -> const Vector3d& { return mesh.vertices[chain.vertices[i]]; };
+  double rest_m = 0;  // to the middle
+  for (size_t i = first; i < last; ++i) rest_m += (at(i + 1) - at(i)).norm() / 2;
+  size_t i = first;
+  for (; i + 1 < last && (at(i + 1) - at(i)).norm() < rest_m; ++i) {
+    rest_m -= (at(i + 1) - at(i)).norm();
+  }
+  const Vector3d middle = at(i) + rest_m * (at(i + 1) - at(i)).normalized();
+  const Vector3d to = middle - at(first), onward = at(last) - middle;
+  return std::atan2(to.cross(onward).norm(), to.dot(onward));
+}
+
+// Where a piece ends. Those of an arc are close to their chords too, but where these meet is no
+// corner: an arc has ends only where its chain has.
+std::array<bool, 2> ends_of(const Mesh& mesh, const Chain& chain, size_t first, size_t last) {
+  if (bow_rad(mesh, chain, first, last) <= kMaxBowDeg * kDegree) return {true, true};
+  if (chain.is_ring) return {false, false};
+  return {first == 0, last + 1 == chain.vertices.size()};
 }
 
 // Douglas and Peucker: halves the piece at its farthest vertex until all are close to the chord.
@@ -207,7 +232,9 @@ void cut(const Mesh& mesh, const Chain& chain, size_t first, size_t last, double
       }
     }
     if (farthest == begin) {
-      if (squared > 0) edges.push_back(fit(mesh, chain, begin, end));
+      if (squared == 0) continue;
+      edges.push_back(fit(mesh, chain, begin, end));
+      edges.back().has_end = ends_of(mesh, chain, begin, end);
     } else {
       pieces.push_back({farthest, end});
       pieces.push_back({begin, farthest});
@@ -236,6 +263,7 @@ std::vector<StraightEdge> straight_edges(const Mesh& mesh, double size_m,
 void add_candidate(const StraightEdge& a, int end_a, const StraightEdge& b, int end_b,
                    const Occluder& occluder, double size_m, const ProposalOptions& options,
                    std::vector<Candidate>& candidates) {
+  if (!a.has_end[end_a] || !b.has_end[end_b]) return;
   if ((a.end[end_a] - b.end[end_b]).norm() > 2 * options.max_gap * size_m) return;
   const Vector3d along_a = end_a == 0 ? a.direction() : Vector3d(-a.direction());
   const Vector3d along_b = end_b == 0 ? b.direction() : Vector3d(-b.direction());

@@ -124,6 +124,22 @@ std::vector<Tip> tips_of(const Mesh& mesh, double size_m) {
   return tips;
 }
 
+// Cuts off what of the edges lies beyond reach: an edge may be as long as a wing.
+void cut_to_reach(const TargetFeature& feature, std::vector<MeshEdge>& edges) {
+  for (MeshEdge& edge : edges) {
+    const Vector3d whole = edge.end_m - edge.begin_m;
+    const Vector3d arm = feature.position_m - edge.begin_m;
+    const double nearest = arm.dot(whole) / whole.squaredNorm();
+    const double off_m = (arm - nearest * whole).norm();
+    const double chord_m =
+        std::sqrt(std::max(0.0, feature.reach_m * feature.reach_m - off_m * off_m));
+    const double half = chord_m / whole.norm();
+    const Vector3d begin_m = edge.begin_m;
+    edge.begin_m = begin_m + std::clamp(nearest - half, 0.0, 1.0) * whole;
+    edge.end_m = begin_m + std::clamp(nearest + half, 0.0, 1.0) * whole;
+  }
+}
+
 // A piece of the outline as seen from one side.
 struct OutlinePiece {
   Vector3d middle_m;
@@ -243,8 +259,9 @@ std::vector<Candidate> rounded_tips(const Mesh& mesh, const Occluder& occluder,
     features.push_back(candidate.feature);
     candidates.push_back(std::move(candidate));
   }
-  const std::vector<FeatureShape> shapes = feature_shapes(mesh, features);
+  std::vector<FeatureShape> shapes = feature_shapes(mesh, features);
   for (size_t i = 0; i < candidates.size(); ++i) {
+    cut_to_reach(features[i], shapes[i].edges);
     look_from_all_sides(candidates[i], shapes[i], directions, occluder, size_m);
   }
   return candidates;

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -49,20 +52,37 @@ Mesh ball(int rings) {
   return mesh;
 }
 
-// A plate in the plane z = 0 between x = 0 and 2, y = 0 and 1, whose long edge at y = 1 has eight
-// more vertices that lie `off_m` beside it by turns.
-Mesh plate(double off_m) {
+// A sheet within a convex outline.
+Mesh sheet(std::vector<Eigen::Vector3d> outline, const std::string& name) {
   Mesh mesh;
-  mesh.parts = {{"Plate (left)"}};
-  mesh.vertices = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}};
-  for (int i = 8; i >= 1; --i) {
-    mesh.vertices.emplace_back(2.0 * i / 9, 1 + (i % 2 == 0 ? off_m : -off_m), 0);
-  }
-  mesh.vertices.emplace_back(0, 1, 0);
+  mesh.parts = {{name}};
+  mesh.vertices = std::move(outline);
   for (int v = 2; v < static_cast<int>(mesh.vertices.size()); ++v) {
     mesh.triangles.push_back({.vertex = {0, v - 1, v}});
   }
   return mesh;
+}
+
+// A plate in the plane z = 0 between x = 0 and 2, y = 0 and 1, whose long edge at y = 1 has eight
+// more vertices that lie `off_m` beside it by turns.
+Mesh plate(double off_m) {
+  std::vector<Eigen::Vector3d> outline = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}};
+  for (int i = 8; i >= 1; --i) {
+    outline.emplace_back(2.0 * i / 9, 1 + (i % 2 == 0 ? off_m : -off_m), 0);
+  }
+  outline.emplace_back(0, 1, 0);
+  return sheet(std::move(outline), "Plate (left)");
+}
+
+// Appends an arc in the plane z = 0, in steps of some 5 degrees.
+void append_arc(const Eigen::Vector2d& centre_m, double radius_m, double from_deg, double to_deg,
+                std::vector<Eigen::Vector3d>& outline) {
+  const int steps = static_cast<int>(std::lround((to_deg - from_deg) / 5));
+  for (int i = 0; i <= steps; ++i) {
+    const double turn = (from_deg + (to_deg - from_deg) * i / steps) * std::numbers::pi / 180;
+    outline.emplace_back(centre_m.x() + radius_m * std::cos(turn),
+                         centre_m.y() + radius_m * std::sin(turn), 0);
+  }
 }
 
 void expect_cube_vertices(const std::vector<FeatureProposal>& proposals) {
@@ -228,6 +248,40 @@ TEST(Proposal, ARoundedAircraftHasItsTips) {
   EXPECT_GE(contours, 4);
   // Without them there are the few places where the mesh's own triangles make a corner.
   EXPECT_LE(propose(rounded_aircraft(), {.enough_corners = 0}).size(), 2u);
+}
+
+// Chords of an arc that are near enough to it would make corners all along it.
+TEST(Proposal, ARoundedPlanformHasATipAtEveryCornerAndNothingBeside) {
+  constexpr double kRadius = 0.3;
+  std::vector<Eigen::Vector3d> outline;
+  append_arc({0.45, 4.7}, kRadius, 55, 90, outline);
+  append_arc({-0.45, 4.7}, kRadius, 90, 180, outline);
+  append_arc({-0.45, -4.7}, kRadius, 180, 270, outline);
+  append_arc({0.45, -4.7}, kRadius, 270, 360, outline);
+  append_arc({0.45, 4.7}, kRadius, 0, 50, outline);
+  const auto proposals = propose(sheet(std::move(outline), "wing"));
+  EXPECT_EQ(proposals.size(), 4u);
+  std::set<std::pair<bool, bool>> corners;
+  for (const FeatureProposal& proposal : proposals) {
+    const Eigen::Vector3d& p = proposal.feature.position_m;
+    EXPECT_EQ(proposal.feature.kind, FeatureKind::kContour);
+    EXPECT_NEAR(std::abs(p.x()), 0.45 + kRadius * std::sqrt(0.5), kRadius / 2);
+    EXPECT_NEAR(std::abs(p.y()), 4.7 + kRadius * std::sqrt(0.5), kRadius / 2);
+    corners.insert({p.x() > 0, p.y() > 0});
+  }
+  EXPECT_EQ(corners.size(), 4u);
+}
+
+TEST(Proposal, WhereAnArcEndsIsACorner) {
+  const double half_m = 0.3 * std::sqrt(0.75);
+  std::vector<Eigen::Vector3d> outline = {{-half_m, -5, 0}, {half_m, -5, 0}};
+  append_arc({0, 4.85}, 0.3, 30, 150, outline);
+  const auto corners = propose(sheet(std::move(outline), "wing"), {.enough_corners = 0});
+  EXPECT_EQ(corners.size(), 4u);
+  for (const FeatureProposal& corner : corners) {
+    const Eigen::Vector3d& p = corner.feature.position_m;
+    EXPECT_LT((p.cwiseAbs() - Eigen::Vector3d(half_m, 5, 0)).norm(), 0.03) << p.transpose();
+  }
 }
 
 TEST(Proposal, ATipThatTurnsIsNoFeature) {
