@@ -170,6 +170,41 @@ class Attacker:
         self.call(["compare", str(self.study), str(out)], allowed={1})
 
 
+    def reach_out(self, rng, out):
+        """A received run that would have a file of the user's removed, overwritten or shown."""
+        victim = self.folder / "victim.json"
+        victim.write_text('{"token": "hunter2"}')
+        shutil.copytree(self.study, out)
+        way = rng.choice(["journal", "figures", "drawn", "written", "store"])
+        if way == "journal":  # SQLite removes the file that the journal of several databases names
+            name = str(victim).encode()
+            magic = bytes.fromhex("d9d505f920a163d7")
+            tail = bytes(4) + name + len(name).to_bytes(4, "big") + sum(name).to_bytes(4, "big")
+            (out / "results.sqlite-journal").write_bytes(magic + bytes(504) + tail + magic)
+        elif way == "figures":
+            shutil.rmtree(out / "figures")
+            (out / "figures").symlink_to(self.study / "figures")
+        else:
+            links = {"drawn": sorted((out / "figures").iterdir()), "store": [out / "results.sqlite"],
+                     "written": [file for file in out.iterdir() if file.is_file()
+                                 and file.name != "results.sqlite"]}[way]
+            for link in links:
+                link.unlink()
+                link.symlink_to(victim)
+        before = {file: file.stat().st_mtime_ns for file in self.study.rglob("*")}
+        for arguments in (["report", str(out)], ["compare", str(self.study), str(out)],
+                          ["merge", str(out), "--out", str(out) + "_merged"],
+                          STUDY + ["--resume", "--out", str(out)]):
+            self.call(arguments, allowed={0, 1})
+        if not victim.exists() or "hunter2" not in victim.read_text():
+            raise Succeeded(f"a file beyond the run is gone or another ({way})")
+        if before != {file: file.stat().st_mtime_ns for file in self.study.rglob("*")}:
+            raise Succeeded(f"another run was written ({way})")
+        page = out / "report.html"
+        if not page.is_symlink() and "hunter2" in page.read_text(errors="replace"):
+            raise Succeeded(f"a file beyond the run is shown ({way})")
+
+
 def damage_file(rng, file):
     bytes_ = bytearray(file.read_bytes())
     way = rng.choice(["flip", "cut", "repeat", "digits", "empty", "folder"])
@@ -196,7 +231,7 @@ def damage_file(rng, file):
 def play(attacker, seed):
     rng = random.Random(seed)
     attacks = [attacker.kill, attacker.stop, attacker.fill_disk, attacker.cut_memory,
-               attacker.damage, attacker.damage, attacker.edit_store]
+               attacker.damage, attacker.damage, attacker.edit_store, attacker.reach_out]
     attack = rng.choice(attacks)
     out = attacker.folder / "attacked"
     try:
