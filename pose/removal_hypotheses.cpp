@@ -57,7 +57,7 @@ std::optional<RemovalHypothesis> fitted(const PackedPoints& points, const Pose& 
 }
 
 /// Least squares with the removed points at the slab's weight. None where that fails.
-std::optional<RemovalHypothesis> fitted(const OutlierModel& s, const PackedPoints& points,
+std::optional<RemovalHypothesis> fitted(const RemovalModel& s, const PackedPoints& points,
                                         const Linearisation& linear, const RemovalSet& set,
                                         int& iterations) {
   const SetStep step = step_of(s, linear, set);
@@ -84,7 +84,7 @@ std::optional<RemovalHypothesis> fitted(const OutlierModel& s, const PackedPoint
   return h;
 }
 
-std::vector<RemovalHypothesis> fit_all(const OutlierModel& s, const PackedPoints& points,
+std::vector<RemovalHypothesis> fit_all(const RemovalModel& s, const PackedPoints& points,
                                        const Linearisation& linear,
                                        std::span<const RemovalSet> sets, int& iterations) {
   std::vector<RemovalHypothesis> hypotheses;
@@ -96,7 +96,7 @@ std::vector<RemovalHypothesis> fit_all(const OutlierModel& s, const PackedPoints
 }
 
 /// Of whitened residuals.
-double noise_variance(const OutlierModel& s, const RemovalHypothesis& h) {
+double noise_variance(const RemovalModel& s, const RemovalHypothesis& h) {
   if (s.is_sigma_known) return 1;
   return (h.rss + kPriorDegrees * kPriorSigmaPx * kPriorSigmaPx) /
          (s.degrees(h.set.size) + kPriorDegrees);
@@ -121,7 +121,7 @@ double chi_square_survival(double x, int degrees) {
 
 /// Gives every hypothesis the weight of its set in the linear model; those that fitting led away
 /// from the linear model's pose, to another minimum, have none there and are left out.
-void use_linear_weights(const OutlierModel& s, const Linearisation& linear,
+void use_linear_weights(const RemovalModel& s, const Linearisation& linear,
                         std::vector<RemovalHypothesis>& hypotheses) {
   std::erase_if(hypotheses, [&](const RemovalHypothesis& h) {
     const Pose expected = retract(linear.pose, step_of(s, linear, h.set).delta);
@@ -138,7 +138,7 @@ void use_linear_weights(const OutlierModel& s, const Linearisation& linear,
 
 /// The linear model where it can be trusted, its sets weighed: it moves to the pose of the heaviest
 /// set as long as that is far. False when it cannot be built at the start.
-bool settle(const OutlierModel& s, const PackedPoints& points, const Pose& start,
+bool settle(const RemovalModel& s, const PackedPoints& points, const Pose& start,
             Linearisation& linear, int& iterations) {
   if (!linearise(points, start, linear)) return false;
   weigh_explaining_sets(s, linear);
@@ -175,7 +175,7 @@ std::vector<RemovalSet> proper_subsets(const RemovalSet& set) {
   return subsets;
 }
 
-bool has_far_outlier(const OutlierModel& s, const RemovalHypothesis& h) {
+bool has_far_outlier(const RemovalModel& s, const RemovalHypothesis& h) {
   return std::ranges::any_of(h.set.span(), [&](int i) {
     const std::optional<Eigen::Vector2d> r = residual_px(*s.c, i, h.pose);
     return !r || r->dot(s.points[i].information * *r) * s.points[i].gamma > kFarBeyondSlab2;
@@ -184,7 +184,7 @@ bool has_far_outlier(const OutlierModel& s, const RemovalHypothesis& h) {
 
 /// Beside an outlier far beyond the slab the linear weights, whose slab is Gaussian, prefer sets
 /// with good points in them. So the sets within the best one are fitted and weighed too.
-void add_smaller_sets(const OutlierModel& s, const PackedPoints& points, Linearisation& linear,
+void add_smaller_sets(const RemovalModel& s, const PackedPoints& points, Linearisation& linear,
                       RemovalBranch& branch) {
   if (!s.is_sigma_known || branch.hypotheses.empty()) return;
   const RemovalHypothesis best = best_of(branch.hypotheses);
@@ -215,7 +215,7 @@ double quadratic_form(const double (&hessian)[21], const Vector6d& delta) {
 
 /// Of the best hypotheses of two starts. Where the noise is not known, its prior would call
 /// residuals far below kPriorSigmaPx equal: with the same points kept the smaller wins.
-bool is_preferable(const OutlierModel& s, const RemovalHypothesis& a, const RemovalHypothesis& b) {
+bool is_preferable(const RemovalModel& s, const RemovalHypothesis& a, const RemovalHypothesis& b) {
   if (!s.is_sigma_known && a.set == b.set) return a.rss < b.rss;
   return a.log_weight > b.log_weight;
 }
@@ -229,12 +229,12 @@ const RemovalHypothesis& best_of(const std::vector<RemovalHypothesis>& hypothese
                            });
 }
 
-bool is_explained(const OutlierModel& s, const RemovalHypothesis& h) {
+bool is_explained(const RemovalModel& s, const RemovalHypothesis& h) {
   const int degrees = s.degrees(h.set.size);
   return degrees <= 0 || chi_square_survival(h.rss, degrees) >= kTestLevel;
 }
 
-RemovalBranch removals_from(const OutlierModel& s, const PackedPoints& points, const Pose& start,
+RemovalBranch removals_from(const RemovalModel& s, const PackedPoints& points, const Pose& start,
                             RemovalEffort effort, Linearisation& linear) {
   RemovalBranch branch;
   const kernel::Fit fit = points.fit(start, kMaxIterations, kCoarseStep);
@@ -272,7 +272,7 @@ RemovalBranch removals_from(const OutlierModel& s, const PackedPoints& points, c
 }
 
 std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBranch>& branches,
-                                                   const OutlierModel& s) {
+                                                   const RemovalModel& s) {
   const RemovalBranch* chosen = nullptr;
   for (const RemovalBranch& b : branches) {
     if (b.hypotheses.empty()) continue;
@@ -331,7 +331,7 @@ bool has_kept_in_front(const Correspondences& c, const RemovalSet& removed, cons
   return true;
 }
 
-std::optional<FitOfKept> fit_kept(const OutlierModel& s, const PackedPoints& points,
+std::optional<FitOfKept> fit_kept(const RemovalModel& s, const PackedPoints& points,
                                   const RemovalHypothesis& best) {
   FitOfKept result = {best.pose, Matrix6d::Zero()};
   if (best.set.size > 0) {

@@ -37,14 +37,14 @@ enum class RemovalEffort {
 
 /// Sets of removals from a start, as cam_from_centred: weighed in the linear model, which moves to
 /// the heaviest set's pose, the probable ones then fitted. `linear` is room to work in.
-RemovalBranch removals_from(const OutlierModel& s, const PackedPoints& points, const Pose& start,
+RemovalBranch removals_from(const RemovalModel& s, const PackedPoints& points, const Pose& start,
                             RemovalEffort effort, Linearisation& linear);
 
 /// The heaviest one.
 const RemovalHypothesis& best_of(const std::vector<RemovalHypothesis>& hypotheses);
 
 /// Whether what a hypothesis keeps looks like noise of the size that is known.
-bool is_explained(const OutlierModel& s, const RemovalHypothesis& h);
+bool is_explained(const RemovalModel& s, const RemovalHypothesis& h);
 
 /// The mean over the hypotheses of the best one's start: between mirror poses lies no pose.
 struct MeanOverRemovals {
@@ -59,7 +59,7 @@ struct MeanOverRemovals {
 /// None where the best hypothesis leaves the pose undetermined. One branch at least must have a
 /// hypothesis.
 std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBranch>& branches,
-                                                   const OutlierModel& s);
+                                                   const RemovalModel& s);
 
 /// Least squares on exactly the points that a hypothesis keeps.
 struct FitOfKept {
@@ -67,7 +67,7 @@ struct FitOfKept {
   Matrix6d unit_covariance;
 };
 
-std::optional<FitOfKept> fit_kept(const OutlierModel& s, const PackedPoints& points,
+std::optional<FitOfKept> fit_kept(const RemovalModel& s, const PackedPoints& points,
                                   const RemovalHypothesis& best);
 
 /// Whether a pose has all points in front of the camera that a hypothesis keeps.

@@ -68,7 +68,7 @@ struct SizeWeight {
   double half_nu = 0;
 };
 
-std::array<SizeWeight, kMaxRemoved + 1> size_weights(const OutlierModel& s, int max_size) {
+std::array<SizeWeight, kMaxRemoved + 1> size_weights(const RemovalModel& s, int max_size) {
   std::array<SizeWeight, kMaxRemoved + 1> weights;
   if (s.is_sigma_known) return weights;
   for (int size = 0; size <= max_size; ++size) {
@@ -79,7 +79,7 @@ std::array<SizeWeight, kMaxRemoved + 1> size_weights(const OutlierModel& s, int 
 }
 
 /// q of every set of up to `max_size` points, then det of each; both begin with the empty set.
-std::span<const double> sweep(const OutlierModel& s, int max_size, Linearisation& linear) {
+std::span<const double> sweep(const RemovalModel& s, int max_size, Linearisation& linear) {
   const std::size_t n = s.c->size();
   const std::size_t count = kernel::set_count(n, max_size) + 1;
   linear.sweep.resize(2 * count + kernel::sweep_workspace(n, max_size));
@@ -126,7 +126,7 @@ struct SmallSystem {
 };
 
 /// From what sweep() gave.
-void weigh_swept_sets(const OutlierModel& s, int max_size, std::span<const double> q_then_det,
+void weigh_swept_sets(const RemovalModel& s, int max_size, std::span<const double> q_then_det,
                       Linearisation& linear) {
   const std::size_t count = q_then_det.size() / 2;
   const auto by_size = size_weights(s, max_size);
@@ -149,8 +149,8 @@ void weigh_swept_sets(const OutlierModel& s, int max_size, std::span<const doubl
 
 }  // namespace
 
-OutlierModel outlier_model(const WhitenedCorrespondences& c, const OutlierOptions& options) {
-  OutlierModel s;
+RemovalModel outlier_model(const WhitenedCorrespondences& c, const OutlierOptions& options) {
+  RemovalModel s;
   s.c = &c.points;
   s.is_sigma_known = c.sigma > 0;
   s.max_removed = own_removal_limit(s.n(), options);
@@ -164,7 +164,7 @@ OutlierModel outlier_model(const WhitenedCorrespondences& c, const OutlierOption
   return s;
 }
 
-PackedPoints packed(const OutlierModel& s) {
+PackedPoints packed(const RemovalModel& s) {
   std::vector<Eigen::Matrix2d> weights;
   weights.reserve(s.points.size());
   for (const PointPrior& prior : s.points) weights.push_back(prior.information);
@@ -180,11 +180,11 @@ bool linearise(const PackedPoints& points, const Pose& pose, Linearisation& line
                            linear.basis.data(), linear.residuals.data(), linear.model);
 }
 
-void weigh_sets(const OutlierModel& s, int max_size, Linearisation& linear) {
+void weigh_sets(const RemovalModel& s, int max_size, Linearisation& linear) {
   weigh_swept_sets(s, max_size, sweep(s, max_size, linear), linear);
 }
 
-void weigh_explaining_sets(const OutlierModel& s, Linearisation& linear) {
+void weigh_explaining_sets(const RemovalModel& s, Linearisation& linear) {
   for (int k = s.is_sigma_known ? 0 : s.max_removed;; ++k) {
     const std::span<const double> numbers = sweep(s, k, linear);
     const double largest_q = std::ranges::max(numbers.first(numbers.size() / 2));
@@ -234,7 +234,7 @@ std::vector<RemovalSet> least_residual_sets(const std::vector<WeighedSet>& all, 
   return chosen;
 }
 
-SetStep step_of(const OutlierModel& s, const Linearisation& linear, const RemovalSet& set) {
+SetStep step_of(const RemovalModel& s, const Linearisation& linear, const RemovalSet& set) {
   SetStep step;
   step.delta = Eigen::Map<const Vector6d>(linear.model.step);
   if (set.size == 0) return step;

@@ -40,7 +40,7 @@ struct PointPrior {
 };
 
 /// What does not depend on the pose. Holds a pointer to the correspondences.
-struct OutlierModel {
+struct RemovalModel {
   const Correspondences* c = nullptr;
   bool is_sigma_known = false;
   std::vector<PointPrior> points;
@@ -51,10 +51,10 @@ struct OutlierModel {
   int degrees(int removed) const { return 2 * n() - 6 - 2 * removed; }
 };
 
-OutlierModel outlier_model(const WhitenedCorrespondences& c, const OutlierOptions& options);
+RemovalModel outlier_model(const WhitenedCorrespondences& c, const OutlierOptions& options);
 
 /// The points weighed by their information.
-PackedPoints packed(const OutlierModel& s);
+PackedPoints packed(const RemovalModel& s);
 
 /// A set of points held to be the outliers.
 struct RemovalSet {
@@ -94,11 +94,11 @@ bool linearise(const PackedPoints& points, const Pose& pose, Linearisation& line
 
 /// Weighs all sets of up to `max_size` points into linear.sets, the empty one first. What all sets
 /// of a start have in common is included, so that weights of different starts compare.
-void weigh_sets(const OutlierModel& s, int max_size, Linearisation& linear);
+void weigh_sets(const RemovalModel& s, int max_size, Linearisation& linear);
 
 /// Weighs the sets of as few points as it takes for one of them to leave what looks like noise; of
 /// all sizes allowed where the noise is not known.
-void weigh_explaining_sets(const OutlierModel& s, Linearisation& linear);
+void weigh_explaining_sets(const RemovalModel& s, Linearisation& linear);
 
 const WeighedSet& heaviest(const std::vector<WeighedSet>& sets);
 
@@ -116,6 +116,6 @@ struct SetStep {
   Vector6d delta;
 };
 
-SetStep step_of(const OutlierModel& s, const Linearisation& linear, const RemovalSet& set);
+SetStep step_of(const RemovalModel& s, const Linearisation& linear, const RemovalSet& set);
 
 }  // namespace sightline

@@ -45,7 +45,7 @@ constexpr std::array<Round, 3> kRounds = {
 
 class Search {
  public:
-  Search(const GreyImage& image, const PosePrior& prior, std::vector<EdgePoint> points)
+  Search(const GreyImage& image, const PosePrior& prior, std::vector<MeshEdgePoint> points)
       : image_(image),
         points_(std::move(points)),
         spread_(root_of(prior.covariance)),
@@ -81,17 +81,18 @@ class Search {
   }
 
   const GreyImage& image_;
-  std::vector<EdgePoint> points_;
+  std::vector<MeshEdgePoint> points_;
   Matrix6d spread_;
   RandomStream draws_;
   std::vector<Candidate> best_;
 };
 
-std::vector<EdgePoint> edge_points_at(const Pose& pose, const Camera& camera, BasisDrawer& drawer) {
+std::vector<MeshEdgePoint> edge_points_at(const Pose& pose, const Camera& camera,
+                                          BasisDrawer& drawer) {
   BasisOptions options;
   options.margin_px = 2;
   const auto images = drawer.draw(pose, options);
-  return images ? edge_points(*images, camera, pose) : std::vector<EdgePoint>{};
+  return images ? edge_points(*images, camera, pose) : std::vector<MeshEdgePoint>{};
 }
 
 // Follows the nearest edges along the normals.
@@ -106,7 +107,7 @@ class EdgeFitter {
                                .value_or(Matrix6d::Zero())) {}
 
   // The mesh's edges as seen at a pose; empty where it cannot be drawn.
-  std::vector<EdgePoint> points_at(const Pose& pose) {
+  std::vector<MeshEdgePoint> points_at(const Pose& pose) {
     ++drawings_;
     return edge_points_at(pose, camera_, drawer_);
   }
@@ -120,13 +121,13 @@ class EdgeFitter {
     fit.cam_from_target = start;
     double reach_px = kFirstReachPx;
     for (int i = 0; i < kDrawings; ++i) {
-      const std::vector<EdgePoint> points = points_at(fit.cam_from_target);
+      const std::vector<MeshEdgePoint> points = points_at(fit.cam_from_target);
       for (int k = 0; k < kSteps; ++k) {
         step(points, reach_px, fit);
         reach_px = std::max(kLeastReachPx, kShrink * reach_px);
       }
     }
-    const std::vector<EdgePoint> points = points_at(fit.cam_from_target);
+    const std::vector<MeshEdgePoint> points = points_at(fit.cam_from_target);
     fit.support = edge_support(edges_, camera_, points, fit.cam_from_target);
     fit.contrast = outline_contrast(edges_, camera_, points, fit.cam_from_target);
     return fit;
@@ -146,7 +147,7 @@ class EdgeFitter {
 
   // The slopes along the normal within reach, half a pixel apart, the point's own in the middle.
   // Empty where the image ends before.
-  std::vector<double> slopes_beside(const EdgePoint& point, const Eigen::Vector2d& pixel,
+  std::vector<double> slopes_beside(const MeshEdgePoint& point, const Eigen::Vector2d& pixel,
                                     int side) const {
     std::vector<double> slopes;
     for (int i = -side; i <= side; ++i) {
@@ -158,7 +159,8 @@ class EdgeFitter {
   }
 
   // The steepest place within reach, one farther away having to be steeper.
-  std::optional<Found> edge_near(const EdgePoint& point, const Pose& pose, double reach_px) const {
+  std::optional<Found> edge_near(const MeshEdgePoint& point, const Pose& pose,
+                                 double reach_px) const {
     const Eigen::Vector3d at = pose * point.in_target_m;
     const auto pixel = project(camera_, at);
     if (!pixel) return std::nullopt;
@@ -185,7 +187,7 @@ class EdgeFitter {
   }
 
   // The derivative of a point's place along its normal by the change of the pose.
-  Eigen::Matrix<double, 1, 6> row_of(const EdgePoint& point, const Pose& pose) const {
+  Eigen::Matrix<double, 1, 6> row_of(const MeshEdgePoint& point, const Pose& pose) const {
     const Eigen::Vector3d arm = pose.rotation * point.in_target_m;
     const Eigen::Vector3d at = arm + pose.translation;
     const Eigen::Vector2d n = lens_jacobian(camera_, at.hnormalized()).transpose() * point.normal;
@@ -196,12 +198,12 @@ class EdgeFitter {
     return row;
   }
 
-  std::vector<Found> edges_near(const std::vector<EdgePoint>& points, const Pose& pose,
+  std::vector<Found> edges_near(const std::vector<MeshEdgePoint>& points, const Pose& pose,
                                 double reach_px) const {
     constexpr double kEndWeight = 0.1;  // of an edge at the end of the reach
     constexpr double kCrease = 0.5;     // of a crease's: print lies beside it more often
     std::vector<Found> found;
-    for (const EdgePoint& point : points) {
+    for (const MeshEdgePoint& point : points) {
       auto edge = edge_near(point, pose, reach_px);
       if (!edge) continue;
       edge->weight = worth_of_slope(edge->slope) * (edge->is_at_end ? kEndWeight : 1) *
@@ -213,7 +215,7 @@ class EdgeFitter {
 
   // One step of Gauss and Newton with Tukey's weights. The prior counts beside all points as if
   // they were independent, else it would draw every fit to itself; the covariance knows better.
-  void step(const std::vector<EdgePoint>& points, double reach_px, EdgeFit& fit) const {
+  void step(const std::vector<MeshEdgePoint>& points, double reach_px, EdgeFit& fit) const {
     constexpr double kTukey = 2.5;    // sds, beyond which an edge counts for nothing
     constexpr double kTogether = 30;  // points that err together
     const std::vector<Found> found = edges_near(points, fit.cam_from_target, reach_px);
@@ -259,7 +261,7 @@ class EdgeFitter {
 std::optional<EdgeFit> fit_edges(const GreyImage& image, const Mesh& mesh, const PosePrior& prior) {
   constexpr size_t kFewest = 30;
   EdgeFitter fitter(image, mesh, prior);
-  std::vector<EdgePoint> points = fitter.points_at(prior.cam_from_target);
+  std::vector<MeshEdgePoint> points = fitter.points_at(prior.cam_from_target);
   if (points.size() < kFewest) return std::nullopt;
   std::optional<EdgeFit> best;
   for (const Pose& start : Search(image, prior, std::move(points)).run()) {

@@ -96,15 +96,15 @@ std::optional<double> value_at(const cv::Mat& image, const Eigen::Vector2d& pixe
 
 }  // namespace
 
-std::vector<EdgePoint> edge_points(const BasisImages& images, const Camera& camera,
-                                   const Pose& cam_from_target) {
+std::vector<MeshEdgePoint> edge_points(const BasisImages& images, const Camera& camera,
+                                       const Pose& cam_from_target) {
   // The coverage falls by half a unit a pixel along an outline; a surface that turns by 20 degrees
   // from one pixel to the next is a crease.
   constexpr float kLeastTurning = 0.17F;
   constexpr float kLeastOutline = 0.2F;
   const Turning turning(images);
   const Pose target_from_cam = inverse(cam_from_target);
-  std::vector<EdgePoint> points;
+  std::vector<MeshEdgePoint> points;
   for (int y = 1; y + 1 < images.box.height; ++y) {
     for (int x = 1; x + 1 < images.box.width; ++x) {
       if (turning.strength.at<float>(y, x) < kLeastTurning) continue;
@@ -145,9 +145,9 @@ double worth_of_slope(double slope) {
 }
 
 double edge_support(const EdgeImage& image, const Camera& camera,
-                    const std::vector<EdgePoint>& points, const Pose& cam_from_target) {
+                    const std::vector<MeshEdgePoint>& points, const Pose& cam_from_target) {
   double sum = 0;
-  for (const EdgePoint& point : points) {
+  for (const MeshEdgePoint& point : points) {
     const auto pixel = project(camera, cam_from_target * point.in_target_m);
     const auto slope = pixel ? slope_along(image, point.normal, *pixel) : std::nullopt;
     if (slope) sum += worth_of_slope(*slope);
@@ -156,10 +156,10 @@ double edge_support(const EdgeImage& image, const Camera& camera,
 }
 
 double outline_contrast(const EdgeImage& image, const Camera& camera,
-                        const std::vector<EdgePoint>& points, const Pose& cam_from_target) {
+                        const std::vector<MeshEdgePoint>& points, const Pose& cam_from_target) {
   constexpr int kReachPx = 6;
   std::array<double, 2 * kReachPx + 1> sums{};
-  for (const EdgePoint& point : points) {
+  for (const MeshEdgePoint& point : points) {
     const auto pixel = project(camera, cam_from_target * point.in_target_m);
     if (!point.is_outline || !pixel) continue;
     for (int offset = -kReachPx; offset <= kReachPx; ++offset) {

@@ -16,7 +16,7 @@ namespace sightline {
 
 /// A place of a mesh where an image should show an edge: on its outline, or where its surface
 /// turns.
-struct EdgePoint {
+struct MeshEdgePoint {
   Eigen::Vector3d in_target_m;
   Eigen::Vector2d normal;  ///< of the edge in the image, a unit vector
   bool is_outline;
@@ -24,8 +24,8 @@ struct EdgePoint {
 
 /// The edge points of a mesh as `images` show it at a pose, one a pixel of an edge's length. Which
 /// they are holds for poses near that one, too: it is the mesh's points that are seen, not pixels.
-std::vector<EdgePoint> edge_points(const BasisImages& images, const Camera& camera,
-                                   const Pose& cam_from_target);
+std::vector<MeshEdgePoint> edge_points(const BasisImages& images, const Camera& camera,
+                                       const Pose& cam_from_target);
 
 /// The slopes of an image by its pixels, after a blur.
 struct EdgeImage {
@@ -49,12 +49,12 @@ double worth_of_slope(double slope);
 /// How well an image shows the edges where a pose puts them: the mean worth of the slopes along the
 /// points' normals. Points outside the image are worth 0.
 double edge_support(const EdgeImage& image, const Camera& camera,
-                    const std::vector<EdgePoint>& points, const Pose& cam_from_target);
+                    const std::vector<MeshEdgePoint>& points, const Pose& cam_from_target);
 
 /// How far the outline stands out at the pose: the mean slope along the normal within 1 px of the
 /// outline's points, over the median of the mean slopes up to 6 px aside. About 1 where the outline
 /// is laid on anything else. 0 without outline points in the image.
 double outline_contrast(const EdgeImage& image, const Camera& camera,
-                        const std::vector<EdgePoint>& points, const Pose& cam_from_target);
+                        const std::vector<MeshEdgePoint>& points, const Pose& cam_from_target);
 
 }  // namespace sightline

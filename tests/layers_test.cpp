@@ -339,6 +339,52 @@ TEST(Layers, PublicHeadersAreLight) {
   }
 }
 
+/// The types that a file defines for others, each with its namespace: not those of `namespace {`.
+std::set<std::string> types_in(std::istream& file) {
+  std::set<std::string> types;
+  std::vector<std::string> spaces;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string first, second;
+    words >> first >> second;
+    if (second == "class") words >> second;
+    if (first == "namespace" && line.ends_with("{")) {
+      spaces.push_back(second);
+    } else if (line.starts_with("}  // namespace")) {
+      if (!spaces.empty()) spaces.pop_back();
+    } else if ((first == "struct" || first == "class" || first == "enum") && line[0] != ' ' &&
+               line.ends_with("{") && (spaces.empty() || spaces.back() != "{")) {
+      std::string name;
+      for (const std::string& space : spaces) name += space + "::";
+      types.insert(name + second);
+    }
+  }
+  return types;
+}
+
+// Two types of one name share their templates when they are linked: a vector of the one was given
+// memory for the other, which is smaller.
+TEST(Layers, ATypesNameIsOfOneFile) {
+  std::map<std::string, fs::path> files;
+  std::vector<std::string> folders = {"tests"};
+  for (const auto& [folder, allowed] : kAllowed) folders.push_back(folder);
+  for (const std::string& folder : folders) {
+    for (const auto& entry :
+         fs::recursive_directory_iterator(fs::path(SIGHTLINE_SOURCE_DIR) / folder)) {
+      const std::string extension = entry.path().extension();
+      if (extension != ".h" && extension != ".cpp") continue;
+      std::ifstream stream(entry.path());
+      for (const std::string& type : types_in(stream)) {
+        const auto [found, is_new] = files.emplace(type, entry.path());
+        EXPECT_TRUE(is_new) << type << " is in " << found->second << " and in " << entry.path();
+      }
+    }
+  }
+  EXPECT_TRUE(files.contains("sightline::EdgePoint"));
+  std::istringstream hidden("namespace a {\nnamespace {\nstruct B {\n}  // namespace\nclass C {");
+  EXPECT_EQ(types_in(hidden), std::set<std::string>{"a::C"});
+}
+
 TEST(Layers, EveryFileSaysItsLicence) {
   for (const auto& [folder, allowed] : kAllowed) {
     const std::string licence = folder == "pose" ? "Apache-2.0" : "GPL-3.0-or-later";

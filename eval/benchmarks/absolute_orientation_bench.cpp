@@ -130,7 +130,7 @@ void register_peers(int n) {
 
 }  // namespace
 
-Comparison register_absolute_orientation() {
+PeerComparison register_absolute_orientation() {
   for (const int n : kSizes) {
     register_ours(n);
     register_peers(n);

@@ -85,7 +85,7 @@ void add_alignment(const RobustAlignmentMethod& method, const Size& size) {
 
 }  // namespace
 
-Comparison register_alignment() {
+PeerComparison register_alignment() {
   for (const RobustAlignmentMethod& method : robust_alignment_methods()) {
     for (const Size& size : kAlignmentSizes) add_alignment(method, size);
     if (method.name == "ransac_umeyama") continue;

@@ -10,11 +10,11 @@
 
 namespace sightline {
 
-Comparison register_absolute_orientation();
-Comparison register_alignment();
-Comparison register_outlier();
-Comparison register_pnp();
-Comparison register_render();
+PeerComparison register_absolute_orientation();
+PeerComparison register_alignment();
+PeerComparison register_outlier();
+PeerComparison register_pnp();
+PeerComparison register_render();
 /// These compare with nothing.
 void register_pipeline();
 void register_door();

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "trackers") {
     return sightline::run_tracker_accuracy(argc - 2, argv + 2);
   }
-  const std::vector<sightline::Comparison> comparisons = {
+  const std::vector<sightline::PeerComparison> comparisons = {
       sightline::register_absolute_orientation(),
       sightline::register_alignment(),
       sightline::register_pnp(),

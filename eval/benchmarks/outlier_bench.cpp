@@ -38,7 +38,7 @@ void add(const PoseSolver& solver, const ProblemLaw& law, const std::string& nam
 
 }  // namespace
 
-Comparison register_outlier() {
+PeerComparison register_outlier() {
   for (const PoseSolver& solver : pose_solvers()) {
     for (const int points : {5, 8, 12}) {
       add(solver, {.points = points, .outliers = 1},

@@ -199,7 +199,7 @@ void add_p3p(const std::string& name, const Solve& solve) {
 
 }  // namespace
 
-Comparison register_pnp() {
+PeerComparison register_pnp() {
   add_p3p("ours", ours_p3p);
   add_p3p("opengv_kneip", opengv_p3p);
   add("lspe", lspe, true);

@@ -26,7 +26,7 @@ std::optional<double> time_ns(const Times& best_ns, const std::string& family,
   return found->second;
 }
 
-std::set<int> sizes_of(const Times& best_ns, const Comparison& comparison) {
+std::set<int> sizes_of(const Times& best_ns, const PeerComparison& comparison) {
   const std::string prefix = prefix_of(comparison.family, comparison.ours);
   std::set<int> sizes;
   for (const auto& [name, ns] : best_ns) {
@@ -41,7 +41,7 @@ int width_of(const std::string& method) {
   return std::max(kWidth, static_cast<int>(method.size()) + 2);
 }
 
-std::string row(const Times& best_ns, const Comparison& comparison, int size) {
+std::string row(const Times& best_ns, const PeerComparison& comparison, int size) {
   const double ours_ns = *time_ns(best_ns, comparison.family, comparison.ours, size);
   std::ostringstream line;
   line << std::fixed << std::setw(kWidth) << size << std::setprecision(ours_ns < 1e3 ? 1 : 0)
@@ -59,7 +59,7 @@ std::string row(const Times& best_ns, const Comparison& comparison, int size) {
   return line.str();
 }
 
-std::string heading(const Comparison& comparison) {
+std::string heading(const PeerComparison& comparison) {
   std::ostringstream line;
   line << comparison.family << ", CPU time / ns of the fastest repetition, and times ours\n"
        << std::setw(kWidth) << "size" << std::setw(width_of(comparison.ours))
@@ -83,9 +83,9 @@ void RememberingReporter::ReportRuns(const std::vector<Run>& runs) {
   ConsoleReporter::ReportRuns(runs);
 }
 
-std::string ratio_tables(const std::vector<Comparison>& comparisons, const Times& best_ns) {
+std::string ratio_tables(const std::vector<PeerComparison>& comparisons, const Times& best_ns) {
   std::ostringstream text;
-  for (const Comparison& comparison : comparisons) {
+  for (const PeerComparison& comparison : comparisons) {
     const std::set<int> sizes = sizes_of(best_ns, comparison);
     if (sizes.empty()) continue;
     text << '\n' << heading(comparison) << '\n';

@@ -12,7 +12,7 @@ namespace sightline {
 
 /// What is compared with what in benchmarks named `<family>/<method>/<size>`; a family whose own
 /// method has no name calls it `<family>/<size>`.
-struct Comparison {
+struct PeerComparison {
   std::string family;
   std::string ours;                ///< the method that the peers are measured against
   std::vector<std::string> peers;  ///< methods of other libraries
@@ -36,7 +36,7 @@ class RememberingReporter : public benchmark::ConsoleReporter {
 
 /// A table for each comparison: a row a size, our time, each peer's time and how many times ours it
 /// is. What was not run is left out.
-std::string ratio_tables(const std::vector<Comparison>& comparisons,
+std::string ratio_tables(const std::vector<PeerComparison>& comparisons,
                          const std::map<std::string, double>& best_ns);
 
 }  // namespace sightline

@@ -354,7 +354,7 @@ void run_embree(benchmark::State& state, int samples_per_pixel) {
 
 }  // namespace
 
-Comparison register_render() {
+PeerComparison register_render() {
   for (const int samples : kBenchedSampleCounts) {
     const std::string size = std::to_string(samples);
     const auto add = [](const std::string& name, const auto& run) {

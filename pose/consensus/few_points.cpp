@@ -80,7 +80,7 @@ std::optional<Few> few_points(const PoseProblem& problem) {
   return few;
 }
 
-OutlierModel model_of(const Few& few) {
+RemovalModel model_of(const Few& few) {
   OutlierOptions options;
   options.scale_px = few.outlier_scale() * few.image_unit_px;
   return outlier_model(few.points, options);
@@ -172,7 +172,7 @@ std::optional<AtAnswer> look_at(const Few& few, const MeanOverRemovals& mean) {
   return at;
 }
 
-bool is_doubtful(const OutlierModel& s, const MeanOverRemovals& mean) {
+bool is_doubtful(const RemovalModel& s, const MeanOverRemovals& mean) {
   const std::size_t kept = static_cast<std::size_t>(s.n() - mean.best.set.size);
   return kept < kFewestKept || mean.is_ambiguous || mean.best_probability < kProbablyRemoved ||
          !is_explained(s, mean.best);
@@ -206,7 +206,7 @@ PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const F
 }
 
 /// fit_kept, which where nothing is removed and all points have one noise is the mean.
-std::optional<FitOfKept> fit_of(const Few& few, const OutlierModel& s, const PackedPoints& packed,
+std::optional<FitOfKept> fit_of(const Few& few, const RemovalModel& s, const PackedPoints& packed,
                                 const MeanOverRemovals& mean) {
   const bool is_mean = mean.chosen->hypotheses.size() == 1 && mean.best.set.size == 0;
   if (!is_mean || few.is_whitened()) return fit_kept(s, packed, mean.best);
@@ -214,7 +214,7 @@ std::optional<FitOfKept> fit_of(const Few& few, const OutlierModel& s, const Pac
 }
 
 /// The answer from one start, where it is decisive.
-std::optional<PoseEstimate> decide(const Few& few, const OutlierModel& s,
+std::optional<PoseEstimate> decide(const Few& few, const RemovalModel& s,
                                    const PackedPoints& packed, const Pose& start,
                                    double false_alarm_rate) {
   Linearisation room;
@@ -243,7 +243,7 @@ std::optional<PoseEstimate> estimate_of_few(const PoseProblem& problem, double f
   }
   const std::optional<Few> few = few_points(problem);
   if (!few) return std::nullopt;
-  const OutlierModel s = model_of(*few);
+  const RemovalModel s = model_of(*few);
   const PackedPoints points = packed(s);
   const Correspondences& c = few->points.points;
   for (const Pose& start : starting_poses(c, std::nullopt)) {

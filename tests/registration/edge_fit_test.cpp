@@ -88,11 +88,11 @@ TEST(EdgePoints, LieOnOutlineAndCreases) {
     const auto points = edge_points(*images, scene.camera, scene.cam_from_target);
     constexpr double kPixelM = 10.0 / 1300;
     // Where edges meet, half a dozen points lie on neither; no others are off by half a pixel.
-    const auto far = std::count_if(points.begin(), points.end(), [&](const EdgePoint& point) {
+    const auto far = std::count_if(points.begin(), points.end(), [&](const MeshEdgePoint& point) {
       return distance_to_an_edge_m(point.in_target_m) > kPixelM;
     });
     const auto outline = std::count_if(points.begin(), points.end(),
-                                       [](const EdgePoint& point) { return point.is_outline; });
+                                       [](const MeshEdgePoint& point) { return point.is_outline; });
     EXPECT_GT(outline, 200);
     EXPECT_GT(static_cast<std::ptrdiff_t>(points.size()) - outline, 100) << "three creases";
     EXPECT_LT(far, static_cast<std::ptrdiff_t>(points.size()) / 20);

@@ -49,7 +49,7 @@ class OddSet : public testing::Test {
     for (int im_id = 0; im_id < 3; ++im_id) {
       cameras[std::to_string(im_id)] = {{"cam_K", {500, 0, 32, 0, 500, 24, 0, 0, 1}},
                                         {"depth_scale", 1.0}};
-      truths[std::to_string(im_id)] = {truth()};
+      truths[std::to_string(im_id)] = json::array({truth()});
       const std::string name = fmt::format("{:06}.png", im_id);
       std::ofstream(scene() / "rgb" / name, std::ios::binary)
           << png_bytes(cv::Mat::zeros(kHeight, kWidth, CV_8UC3));
@@ -294,7 +294,7 @@ TEST_F(OddSet, TakesModelsInfoOfModelsWhereModelsEvalHasNone) {
 TEST_F(OddSet, IsNotJudgedByWhatNobodyAsksFor) {
   json truths = read("test/000001/scene_gt.json");
   json cameras = read("test/000001/scene_camera.json");
-  truths["7"] = {truth()};  // an image that is on no list, of a camera that is none
+  truths["7"] = json::array({truth()});  // an image that is on no list, of a camera that is none
   cameras["7"] = {{"cam_K", {1, 2, 3}}};
   write("test/000001/scene_camera.json", cameras.dump());
   write("test/000001/scene_gt_info.json", R"({"7": []})");

@@ -88,6 +88,7 @@ PoseEstimate with_transposed_rotation(const PoseProblem& problem, const SolverOp
 
 PoseEstimate its_start(const PoseProblem& problem, const SolverOptions&) {
   PoseEstimate estimate;
+  if (!problem.initial_cam_from_target) return estimate;
   estimate.status = PoseStatus::kOk;
   estimate.cam_from_target = *problem.initial_cam_from_target;
   return estimate;

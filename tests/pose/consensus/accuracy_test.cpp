@@ -20,7 +20,7 @@ namespace {
 constexpr double kRight = 60;
 
 struct Setting {
-  SceneLaw law;
+  DrawLaw law;
   bool is_sigma_known = true;
   int draws = 100;
 };

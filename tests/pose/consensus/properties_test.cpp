@@ -27,7 +27,7 @@ constexpr int kDraws = 60;
 constexpr double kSameRad = 1e-6, kSameM = 1e-5;
 
 Synthetic random_scene(Draw& draw) {
-  SceneLaw law;
+  DrawLaw law;
   law.points = 6 + draw.index(60);
   law.outliers = draw.index(law.points / 2 - 1);
   law.is_planar = draw.index(2) == 0;

@@ -17,7 +17,7 @@
 
 namespace sightline {
 
-struct SceneLaw {
+struct DrawLaw {
   int points = 20;
   int outliers = 10;
   bool is_planar = false;
@@ -27,7 +27,7 @@ struct SceneLaw {
 /// Points in view of a camera of 640 x 480 pixels, four to eight metres away, solid or in a plane
 /// that is tilted at random; pixels with noise; the first `outliers` of them anywhere in the image,
 /// 15 px and more from where they belong.
-inline Synthetic scene(const SceneLaw& law, Draw& draw) {
+inline Synthetic scene(const DrawLaw& law, Draw& draw) {
   const Camera camera = centred_camera(640, 480, 800);
   Synthetic s;
   s.cam_from_target = {draw.rotation(), Eigen::Vector3d(0, 0, 6)};
