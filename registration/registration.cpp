@@ -136,7 +136,7 @@ class Trials {
   // fit of grey levels.
   Registration result(const RegistrationTask& task, const EdgeFit& edges, double support) const {
     Registration out = counted();
-    out.drawings += edges.drawings;
+    out.drawings += edges.drawings + 1;  // for the support
     if (!is_confirmed_by(edges, support, task.prior)) {
       out.cam_from_target = edges.cam_from_target;
       out.covariance = edges.covariance;
@@ -234,8 +234,9 @@ Registration register_mesh(const RegistrationTask& task, const RegistrationOptio
   }
   if (trials.is_best_alien()) {
     if (const auto edges = fit_edges(image, task.mesh, task.prior)) {
-      if (!trials.is_best_printed()) {
-        trials.take(fitter.fit(fit_levels(image, true), edges->cam_from_target, kTightSd));
+      if (!trials.is_best_printed() &&
+          trials.take(fitter.fit(fit_levels(image, true), edges->cam_from_target, kTightSd))) {
+        return trials.result(task);
       }
       const auto pose = trials.pose();
       return trials.result(task, *edges, pose ? edge_support_at(image, task.mesh, *pose) : 0);

@@ -100,6 +100,11 @@ std::string words_of(const toml::parse_error& error) {
                      text.substr(begin, end - begin + 1));
 }
 
+bool is_bracketed(std::string_view value) {
+  return (value.starts_with('[') && value.ends_with(']')) ||
+         (value.starts_with('{') && value.ends_with('}'));
+}
+
 // The value of an override: TOML if it parses as such, else the words themselves, unless they stand
 // in brackets as a list or a table does.
 toml::table parse_override_value(const std::string& setting) {
@@ -107,8 +112,7 @@ toml::table parse_override_value(const std::string& setting) {
   try {
     return toml::parse("value = " + value);
   } catch (const toml::parse_error& error) {
-    const bool is_list = value.starts_with('[') && value.ends_with(']');
-    if (is_list || (value.starts_with('{') && value.ends_with('}'))) {
+    if (is_bracketed(value)) {
       throw InputError(fmt::format("--set {}: {}", setting, words_of(error)));
     }
     toml::table table;
@@ -171,6 +175,15 @@ void add_values(const std::string& path, const toml::node& node,
 }
 
 }  // namespace
+
+std::optional<std::string> typed_value(const std::string& typed) {
+  try {
+    static_cast<void>(toml::parse("value = " + typed));
+    return typed;
+  } catch (const toml::parse_error&) {
+    return is_bracketed(typed) ? std::nullopt : std::optional(toml_text(typed));
+  }
+}
 
 TomlTable TomlTable::read_file(const std::filesystem::path& file,
                                std::span<const std::string> overrides) {

@@ -1,11 +1,9 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
-#include <array>
-#include <cctype>
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +18,7 @@
 #include "eval/study/study_file.h"
 #include "eval/target/image_bound_report.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/toml_table.h"
 
 namespace sightline {
 namespace {
@@ -34,37 +33,42 @@ struct BoundArguments {
   StudyOverrides overrides;
 };
 
-bool is_bare_word(std::string_view text) {
-  constexpr std::array<std::string_view, 4> kValues = {"true", "false", "inf", "nan"};
-  const auto is_of_word = [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '_' || c == '-';
-  };
-  return !text.empty() && std::isalpha(static_cast<unsigned char>(text.front())) != 0 &&
-         std::ranges::all_of(text, is_of_word) && std::ranges::find(kValues, text) == kValues.end();
-}
-
-// Bare words between commas in the quotes that TOML wants, as --set takes a bare word.
-std::string with_quoted_words(std::string_view values) {
-  std::string out;
-  while (true) {
-    const size_t comma = values.find(',');
-    const std::string_view value = values.substr(0, comma);
-    out += is_bare_word(value) ? fmt::format("\"{}\"", value) : std::string(value);
-    if (comma == std::string_view::npos) return out;
-    out += ',';
-    values.remove_prefix(comma + 1);
+// The parts between the commas that stand in no brackets and no quotes, without blanks about them.
+std::vector<std::string> parts_of(std::string_view values) {
+  std::vector<std::string> parts(1);
+  int depth = 0;
+  char quote = 0;
+  for (const char c : values) {
+    const bool is_quote = c == '"' || c == '\'';
+    if (is_quote && (quote == 0 || quote == c)) quote = quote == 0 ? c : 0;
+    if (quote == 0) depth += (c == '[' || c == '{') - (c == ']' || c == '}');
+    if (c == ',' && quote == 0 && depth == 0) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
   }
+  for (std::string& part : parts) {
+    part.erase(0, part.find_first_not_of(' '));
+    part.erase(part.find_last_not_of(' ') + 1);
+  }
+  return parts;
 }
 
-// --over KEY=v1,v2,... is a sweep of that key.
+// --over KEY=v1,v2,... is a sweep of that key, whose values are typed as those of --set are.
 std::string sweep_of(const std::string& over) {
   const size_t equals = over.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == over.size()) {
     throw InputError(fmt::format(
         "--over is \"{}\", must be KEY=VALUE,VALUE,... such as image.psf_sigma_px=0.5,1", over));
   }
-  return fmt::format("sweep.\"{}\"=[{}]", over.substr(0, equals),
-                     with_quoted_words(std::string_view(over).substr(equals + 1)));
+  std::vector<std::string> values;
+  for (const std::string& part : parts_of(std::string_view(over).substr(equals + 1))) {
+    const std::optional<std::string> value = typed_value(part);
+    if (!value) throw InputError(fmt::format("--over {}: {} is no value", over, part));
+    values.push_back(*value);
+  }
+  return fmt::format("sweep.\"{}\"=[{}]", over.substr(0, equals), fmt::join(values, ","));
 }
 
 void write_csv(const std::string& name, const std::vector<ImageBoundRow>& rows) {

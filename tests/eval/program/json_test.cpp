@@ -120,9 +120,12 @@ TEST_F(ProgramJson, OfABoundHasARowForEachValueOfAKey) {
 }
 
 TEST_F(ProgramJson, OfABoundHasARowForEachWord) {
-  const Json told = printed("bound boeing-random --scenes 1 --over background.kind=uniform,stars");
+  const Json told =
+      printed("bound boeing-random --scenes 1 --over 'background.kind=uniform, stars'");
   ASSERT_EQ(told["conditions"].size(), 2u);
   EXPECT_THAT(told["conditions"][1]["condition"].get<std::string>(), HasSubstr("stars"));
+  EXPECT_THAT(run("bound boeing-random --over 'poses.range_m=[1,2],[3 4]'").output,
+              HasSubstr("--over poses.range_m=[1,2],[3 4]: [3 4] is no value"));
 }
 
 TEST_F(ProgramJson, OfListsHasTheirNames) {
