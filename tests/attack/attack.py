@@ -179,13 +179,16 @@ class Attacker:
         begun = out.parent / f".{out.name}.partial"
         if way == "journal":
             (out / "results.sqlite-journal").write_bytes(journal_that_removes(victim))
-        elif way == "begun":  # a run to continue, without the stores that its journals would be of
-            shutil.rmtree(out)
-            begun.mkdir()
+        elif way == "begun":  # a run to continue, without the jobs' stores that its journals would be of
+            out.rename(begun)
             (begun / ".lock").touch()
-            for store in ("results", "job-0", "job-1"):
+            with sqlite3.connect(begun / "results.sqlite") as store:
+                for (table,) in store.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall():
+                    if table != "meta":
+                        store.execute(f"DELETE FROM {table}")
+            for job in (0, 1):
                 for ending in ("", ".partial"):
-                    journal = begun / f"{store}.sqlite{ending}-journal"
+                    journal = begun / f"job-{job}.sqlite{ending}-journal"
                     journal.write_bytes(journal_that_removes(victim))
         elif way == "figures":
             shutil.rmtree(out / "figures")
