@@ -59,8 +59,7 @@ std::string note_on_links(const std::filesystem::path& set,
   if (count == 0) return "";
   return fmt::format(
       "{}: {} behind links out of the set, the first of which is {}: they are read and may be "
-      "shown "
-      "in the report",
+      "shown in the report",
       set.string(), count == 1 ? "a picture lies" : fmt::format("{} pictures lie", count),
       fs::weakly_canonical(*first, error).string());
 }

@@ -91,9 +91,11 @@ GivenEstimates read_speed(const EstimateSource& source, const SightedSet* set) {
     sightings.add(set->sightings[i].picture, static_cast<int>(i));
   }
   GivenEstimates by_trial;
-  for (const SpeedEstimate& estimate : read_speed_results(source.file)) {
-    const std::optional<int> found = sightings.find(estimate.picture, source.file.string());
-    if (!found) {
+  const std::vector<SpeedEstimate> estimates = read_speed_results(source.file);
+  const auto found = pictures_of(estimates, sightings, source.file);
+  for (size_t i = 0; i < estimates.size(); ++i) {
+    const SpeedEstimate& estimate = estimates[i];
+    if (!found[i]) {
       throw InputError(fmt::format("{}: line {} is about '{}', which the set does not have",
                                    source.file.string(), estimate.line, estimate.picture));
     }
@@ -101,7 +103,7 @@ GivenEstimates read_speed(const EstimateSource& source, const SightedSet* set) {
     if (!estimate.problem.empty()) given.outcome = EstimateOutcome::kNotRigid;
     given.cam_from_target = {estimate.cam_from_model.rotation * set->target_from_model.transpose(),
                              estimate.cam_from_model.translation};
-    const Sighting& sighting = set->sightings[static_cast<size_t>(*found)];
+    const Sighting& sighting = set->sightings[static_cast<size_t>(*found[i])];
     by_trial.emplace(TrialKey{sighting.scene_id, sighting.im_id, sighting.gt_id}, given);
   }
   return by_trial;

@@ -16,6 +16,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "eval/output/output_error.h"
 #include "scenes/files/input_error.h"
 
 namespace sightline {
@@ -182,7 +183,7 @@ void write_file(const fs::path& file, const std::function<void(std::ostream&)>& 
   const int descriptor =
       open(partial.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
   if (descriptor < 0) {
-    throw InputError(
+    throw OutputError(
         fmt::format("{}: cannot be written ({})", file.string(), std::strerror(errno)));
   }
   __gnu_cxx::stdio_filebuf<char> buffer(descriptor, std::ios::out | std::ios::binary);
@@ -196,7 +197,7 @@ void write_file(const fs::path& file, const std::function<void(std::ostream&)>& 
   if (error) {
     std::error_code ignored;
     fs::remove(partial, ignored);
-    throw InputError(fmt::format("{}: cannot be written ({})", file.string(), error.message()));
+    throw OutputError(fmt::format("{}: cannot be written ({})", file.string(), error.message()));
   }
 }
 

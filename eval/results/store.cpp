@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/results/store.h"
 
+#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -13,6 +14,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "eval/output/output_error.h"
 #include "eval/results/store_rows.h"
 #include "eval/results/store_schema.h"
 #include "scenes/files/input_error.h"
@@ -28,7 +30,9 @@ constexpr int kSchemaVersion = 5;
 constexpr const char* kMetaSchema =
     "CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID";
 
-constexpr int kSqliteNotADatabase = 26;  // SQLite's header stays out of sight as SQLiteCpp does
+// SQLite's header stays out of sight as SQLiteCpp does.
+constexpr int kSqliteFull = 13, kSqliteNotADatabase = 26;
+constexpr int kSqliteCannotWrite = 10 + (3 << 8);  // extended: such as beyond a quota
 
 // For another process that looks into the file.
 constexpr int kMostWaitMs = 30'000;
@@ -42,11 +46,26 @@ auto on_file(const std::filesystem::path& file, const char* what_failed, const A
     if (error.getErrorCode() == kSqliteNotADatabase) {
       throw InputError(fmt::format("{}: not an SQLite file", file.string()));
     }
-    throw InputError(fmt::format("{}: {} ({})", file.string(), what_failed, error.what()));
+    const std::string text = fmt::format("{}: {} ({})", file.string(), what_failed, error.what());
+    if (error.getErrorCode() == kSqliteFull || error.getExtendedErrorCode() == kSqliteCannotWrite) {
+      throw OutputError(text);
+    }
+    throw InputError(text);
   } catch (const UnknownName& error) {
     throw InputError(fmt::format("{}: {} ({})", file.string(), what_failed, error.what()));
   } catch (const nlohmann::json::exception& error) {
     throw InputError(fmt::format("{}: {} ({})", file.string(), what_failed, error.what()));
+  }
+}
+
+// What SQLite puts beside a file that it writes, and takes for its own when it opens the file.
+constexpr std::array kJournalEndings = {"-journal", "-wal", "-shm"};
+
+// Before a new file: what lies there is of none that is there.
+void remove_journals(const std::filesystem::path& file) {
+  std::error_code ignored;
+  for (const char* ending : kJournalEndings) {
+    std::filesystem::remove(file.string() + ending, ignored);
   }
 }
 
@@ -68,7 +87,7 @@ void make_empty_file(const std::filesystem::path& file) {
 void require_own_journals(const std::filesystem::path& file) {
   std::error_code error;
   const std::string real = std::filesystem::canonical(file, error).string();
-  for (const char* ending : {"-journal", "-wal", "-shm"}) {
+  for (const char* ending : kJournalEndings) {
     const std::filesystem::path beside = real + ending;
     const auto type = std::filesystem::symlink_status(beside, error).type();
     if (type == std::filesystem::file_type::not_found) continue;
@@ -82,9 +101,29 @@ void require_own_journals(const std::filesystem::path& file) {
   if (!journal.read(end.data(), static_cast<std::streamsize>(end.size())) || end != kMagic) return;
   throw InputError(
       fmt::format("{}-journal: is of several databases, which no run leaves, and names a file that "
-                  "SQLite would "
-                  "remove: to read the run, remove the journal instead",
+                  "SQLite would remove: to read the run, remove the journal instead",
                   real));
+}
+
+// SQLite writes even to a file that is only read: it rolls back, and ends logs. So what a link may
+// lead to is looked at before: a database begins with these words, and has its application's
+// number, with the highest byte first, at 68. An empty file is an empty database.
+void require_own_file(const std::filesystem::path& file) {
+  constexpr std::string_view kBeginning("SQLite format 3\0", 16);
+  constexpr size_t kApplicationIdAt = 68, kReadBytes = kApplicationIdAt + 4;
+  std::string head(kReadBytes, '\0');
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream.is_open()) return;  // SQLite says why not
+  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
+  if (stream.gcount() > 0 && !head.starts_with(kBeginning)) {
+    throw InputError(fmt::format("{}: not an SQLite file", file.string()));
+  }
+  int64_t application_id = 0;
+  for (size_t i = kApplicationIdAt; i < kReadBytes; ++i) {
+    application_id = 256 * application_id + static_cast<unsigned char>(head[i]);
+  }
+  if (application_id == kApplicationId) return;
+  throw InputError(fmt::format("{}: an SQLite file, but not one of sightline's", file.string()));
 }
 
 void write_schema(SQLite::Database& database, const std::map<std::string, std::string>& meta) {
@@ -104,9 +143,6 @@ void write_schema(SQLite::Database& database, const std::map<std::string, std::s
 }
 
 void check_schema(SQLite::Database& database, const std::filesystem::path& file) {
-  if (database.execAndGet("PRAGMA application_id").getInt() != kApplicationId) {
-    throw InputError(fmt::format("{}: an SQLite file, but not one of sightline's", file.string()));
-  }
   const int version = database.execAndGet("PRAGMA user_version").getInt();
   if (version < kOldestSchema || version > kSchemaVersion) {
     throw InputError(fmt::format("{}: results of version {}; this program reads versions {} to {}",
@@ -127,13 +163,31 @@ void bring_up_to_date(SQLite::Database& database) {
 }  // namespace
 
 struct Store::Impl {
-  // The default journal is named because the faster one (WAL) breaks on network file systems.
   explicit Impl(std::filesystem::path path)
-      : file(std::move(path)),
+      : file(beside_own_journals(std::move(path))),
         database(file.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_NOMUTEX, kMostWaitMs) {
-    database.exec("PRAGMA journal_mode = DELETE");
     database.exec("PRAGMA foreign_keys = ON");
     database.exec("PRAGMA trusted_schema = OFF");  // a file of others names no functions to call
+  }
+
+  static std::filesystem::path beside_own_journals(std::filesystem::path file) {
+    require_own_journals(file);
+    return file;
+  }
+
+  // Adds in one transaction what `write` writes. The default journal is named because the faster
+  // one (WAL) breaks on network file systems.
+  template <typename Write>
+  void add(const Write& write) {
+    if (std::filesystem::is_symlink(file)) {
+      throw InputError(
+          fmt::format("{}: is a link, which nothing is written through", file.string()));
+    }
+    database.exec("PRAGMA main.journal_mode = DELETE");
+    SQLite::Transaction transaction(database);
+    bring_up_to_date(database);
+    write();
+    transaction.commit();
   }
 
   std::filesystem::path file;
@@ -152,7 +206,8 @@ Store Store::create(const std::filesystem::path& file,
   }
   const std::filesystem::path partial = file.string() + ".partial";
   std::error_code error;
-  std::filesystem::remove(partial.string() + "-journal", error);
+  remove_journals(partial);
+  remove_journals(file);
   make_empty_file(partial);
   return on_file(file, "cannot be written", [&] {
     {
@@ -172,8 +227,8 @@ Store Store::open(const std::filesystem::path& file) {
     const bool exists = std::filesystem::exists(file);
     throw InputError(fmt::format("{}: {}", file.string(), exists ? "not a file" : "no such file"));
   }
-  require_own_journals(file);
   return on_file(file, "cannot be read", [&] {
+    require_own_file(file);
     auto impl = std::make_unique<Impl>(file);
     check_schema(impl->database, file);
     return Store(std::move(impl));
@@ -181,15 +236,8 @@ Store Store::open(const std::filesystem::path& file) {
 }
 
 void Store::add(std::span<const TrialRecord> trials) {
-  if (std::filesystem::is_symlink(impl_->file)) {
-    throw InputError(
-        fmt::format("{}: is a link, which nothing is written through", impl_->file.string()));
-  }
   on_file(impl_->file, "cannot be written", [&] {
-    SQLite::Transaction transaction(impl_->database);
-    bring_up_to_date(impl_->database);
-    write_trials(impl_->database, trials, impl_->file.string());
-    transaction.commit();
+    impl_->add([&] { write_trials(impl_->database, trials, impl_->file.string()); });
   });
 }
 
@@ -200,12 +248,7 @@ void Store::add_all_of(const std::filesystem::path& file) {
     SQLite::Statement attach(database, "ATTACH DATABASE ? AS other");
     attach.bind(1, file.string());
     attach.exec();
-    {
-      SQLite::Transaction transaction(database);
-      bring_up_to_date(database);
-      copy_trials_of_other(database);
-      transaction.commit();
-    }
+    impl_->add([&] { copy_trials_of_other(database); });
     database.exec("DETACH DATABASE other");
   });
 }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "eval/output/output_error.h"
 #include "eval/output/output_folder.h"
 #include "eval/results/store.h"
 #include "eval/run/manifest.h"
@@ -89,11 +90,13 @@ void require_every_trial(const Study& study, const Store& store, const ShardFold
 }
 
 // Does something with the trials of all shards. What is wrong with one of them is said of that
-// shard and not of the copy that is removed.
+// shard and not of the copy that is removed. They are all read for it, unless it is the disk.
 template <typename Action>
 auto blaming_shards(const Study& study, const std::vector<fs::path>& shards, const Action& action) {
   try {
     return action();
+  } catch (const OutputError&) {
+    throw;
   } catch (const InputError&) {
     for (const fs::path& shard : shards) summarise_store(study, Store::open(shard / kStoreFile));
     throw;

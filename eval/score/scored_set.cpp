@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/score/scored_set.h"
 
-#include <map>
+#include <optional>
 #include <set>
 #include <string_view>
 
@@ -82,8 +82,7 @@ ScoredSet read_speed(const SetReader& reader, const SightingSource& source) {
     set.im_id_of_picture.add(sighting.picture, sighting.im_id);
     if (pictures.insert(sighting.picture.lexically_normal()).second) continue;
     throw InputError(
-        fmt::format("{}: is listed twice, so that nobody knows which pose an estimate "
-                    "is of",
+        fmt::format("{}: is listed twice, so that nobody knows which pose an estimate is of",
                     sighting.picture.string()));
   }
   const std::string note =
@@ -94,12 +93,11 @@ ScoredSet read_speed(const SetReader& reader, const SightingSource& source) {
 
 // An estimate as BOP's are, by its picture's number; that of a picture which the set has not is of
 // no image.
-BopEstimate bop_estimate(const fs::path& file, const SpeedEstimate& estimate,
-                         const ScoredSet& set) {
+BopEstimate bop_estimate(const SpeedEstimate& estimate, const std::optional<int>& im_id) {
   constexpr int kNoImage = -1;
   const Pose& pose = estimate.cam_from_model;
   return {.scene_id = 0,
-          .im_id = set.im_id_of_picture.find(estimate.picture, file.string()).value_or(kNoImage),
+          .im_id = im_id.value_or(kNoImage),
           .obj_id = kObject,
           .score = 1,
           .cam_from_model = {pose.rotation, kMillimetresPerMetre * pose.translation},
@@ -133,16 +131,14 @@ std::vector<SpeedEstimate> read_speed_list(const fs::path& file) {
 
 std::vector<BopEstimate> of_set(const fs::path& file, const ScoredSet& set,
                                 const std::vector<SpeedEstimate>& estimates) {
+  const auto im_ids = pictures_of(estimates, set.im_id_of_picture, file);
   std::vector<BopEstimate> of_set;
-  std::map<int, std::string> named;
-  for (const SpeedEstimate& estimate : estimates) {
-    of_set.push_back(bop_estimate(file, estimate, set));
-    const int im_id = of_set.back().im_id;
-    if (im_id < 0 || named.emplace(im_id, estimate.picture).second) continue;
-    throw InputError(fmt::format("{}: has two estimates of one picture, as {} and as {}",
-                                 file.string(), named.at(im_id), estimate.picture));
+  bool has_any = false;
+  for (size_t i = 0; i < estimates.size(); ++i) {
+    of_set.push_back(bop_estimate(estimates[i], im_ids[i]));
+    has_any |= im_ids[i].has_value();
   }
-  if (!named.empty()) return of_set;
+  if (has_any) return of_set;
   throw InputError(fmt::format("{}: the set has none of its pictures, the first of which is '{}'",
                                file.string(), estimates.front().picture));
 }

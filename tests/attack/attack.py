@@ -175,12 +175,21 @@ class Attacker:
         victim = self.folder / "victim.json"
         victim.write_text('{"token": "hunter2"}')
         shutil.copytree(self.study, out)
-        way = rng.choice(["journal", "figures", "drawn", "written", "store"])
-        if way == "journal":  # SQLite removes the file that the journal of several databases names
-            name = str(victim).encode()
-            magic = bytes.fromhex("d9d505f920a163d7")
-            tail = bytes(4) + name + len(name).to_bytes(4, "big") + sum(name).to_bytes(4, "big")
-            (out / "results.sqlite-journal").write_bytes(magic + bytes(504) + tail + magic)
+        way = rng.choice(["journal", "figures", "drawn", "written", "store", "begun"])
+        begun = out.parent / f".{out.name}.partial"
+        if way == "journal":
+            (out / "results.sqlite-journal").write_bytes(journal_that_removes(victim))
+        elif way == "begun":  # a run to continue, without the jobs' stores that its journals would be of
+            out.rename(begun)
+            (begun / ".lock").touch()
+            with sqlite3.connect(begun / "results.sqlite") as store:
+                for (table,) in store.execute("SELECT name FROM sqlite_master WHERE type = 'table'").fetchall():
+                    if table != "meta":
+                        store.execute(f"DELETE FROM {table}")
+            for job in (0, 1):
+                for ending in ("", ".partial"):
+                    journal = begun / f"job-{job}.sqlite{ending}-journal"
+                    journal.write_bytes(journal_that_removes(victim))
         elif way == "figures":
             shutil.rmtree(out / "figures")
             (out / "figures").symlink_to(self.study / "figures")
@@ -194,15 +203,23 @@ class Attacker:
         before = {file: file.stat().st_mtime_ns for file in self.study.rglob("*")}
         for arguments in (["report", str(out)], ["compare", str(self.study), str(out)],
                           ["merge", str(out), "--out", str(out) + "_merged"],
-                          STUDY + ["--resume", "--out", str(out)]):
+                          STUDY + ["--jobs", "2", "--resume", "--out", str(out)]):
             self.call(arguments, allowed={0, 1})
         if not victim.exists() or "hunter2" not in victim.read_text():
             raise Succeeded(f"a file beyond the run is gone or another ({way})")
         if before != {file: file.stat().st_mtime_ns for file in self.study.rglob("*")}:
             raise Succeeded(f"another run was written ({way})")
         page = out / "report.html"
-        if not page.is_symlink() and "hunter2" in page.read_text(errors="replace"):
+        if page.is_file() and not page.is_symlink() and "hunter2" in page.read_text(errors="replace"):
             raise Succeeded(f"a file beyond the run is shown ({way})")
+
+
+def journal_that_removes(victim):
+    """Of several databases: SQLite removes the file that it names."""
+    name = str(victim).encode()
+    magic = bytes.fromhex("d9d505f920a163d7")
+    tail = bytes(4) + name + len(name).to_bytes(4, "big") + sum(name).to_bytes(4, "big")
+    return magic + bytes(504) + tail + magic
 
 
 def damage_file(rng, file):

@@ -99,15 +99,14 @@ fs::path camera_file(const fs::path& list) {
 }
 
 // The focal length along an axis in pixels. SPEED states it and the pixel's pitch in metres; who
-// writes such a file anew often has it in pixels, where no lens has it in metres, or has both in
-// millimetres, where no pixel has such a pitch in metres.
+// writes such a file anew often has both in millimetres, or it in pixels, which a pitch in metres
+// or millimetres would make a number of pixels that no lens has.
 double focus_px(const Json& camera, const char* focus, const char* pitch) {
-  constexpr double kLongestLensM = 10, kWidestPixelM = 1e-4;
+  constexpr double kLongestLensM = 10, kLongestFocusPx = 5e4;
   const double given = number_in(camera, focus);
   if (!camera.contains(pitch)) return given;
-  const double pitch_given = number_in(camera, pitch);
-  if (given > kLongestLensM && pitch_given <= kWidestPixelM) return given;
-  return given / pitch_given;
+  const double quotient = given / number_in(camera, pitch);
+  return given > kLongestLensM && quotient > kLongestFocusPx ? given : quotient;
 }
 
 // Of the principal point; the picture's middle where the camera does not say.

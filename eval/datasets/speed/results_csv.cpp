@@ -3,6 +3,7 @@
 #include "eval/datasets/speed/results_csv.h"
 
 #include <limits>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -53,6 +54,20 @@ std::vector<SpeedEstimate> read_speed_results(const std::filesystem::path& file)
   }
   if (estimates.empty()) throw InputError(fmt::format("{}: has no estimates", file.string()));
   return estimates;
+}
+
+std::vector<std::optional<int>> pictures_of(std::span<const SpeedEstimate> estimates,
+                                            const PictureNames& names,
+                                            const std::filesystem::path& file) {
+  std::vector<std::optional<int>> pictures;
+  std::map<int, std::string> named;
+  for (const SpeedEstimate& estimate : estimates) {
+    const auto& id = pictures.emplace_back(names.find(estimate.picture, file.string()));
+    if (!id || named.emplace(*id, estimate.picture).second) continue;
+    throw InputError(fmt::format("{}: has two estimates of one picture, as {} and as {}",
+                                 file.string(), named.at(*id), estimate.picture));
+  }
+  return pictures;
 }
 
 }  // namespace sightline

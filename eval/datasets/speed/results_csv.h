@@ -3,12 +3,15 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "eval/datasets/picture_names.h"
 #include "pose/pose.h"
 
 namespace sightline {
@@ -32,5 +35,11 @@ void set_pose(const Eigen::Quaterniond& attitude, const Eigen::Vector3d& transla
 /// InputError, with file and line, for whatever else is not so, for a picture that stands there
 /// twice, and where there is none.
 std::vector<SpeedEstimate> read_speed_results(const std::filesystem::path& file);
+
+/// What the picture of each estimate of a file stands for; none where the set does not have it.
+/// Throws InputError where two are of one picture, by whatever names.
+std::vector<std::optional<int>> pictures_of(std::span<const SpeedEstimate> estimates,
+                                            const PictureNames& names,
+                                            const std::filesystem::path& file);
 
 }  // namespace sightline

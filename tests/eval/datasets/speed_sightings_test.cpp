@@ -103,6 +103,10 @@ TEST_F(ForeignSpeed, HasItsCameraInManyWays) {
   const Camera in_pixels = camera(R"({"Nu": 320, "Nv": 240, "ppx": 1e-5, "ppy": 1e-5, "fx": 900,
                                       "fy": 915, "distCoeffs": [[1, 2, 3, 4, 5, 0, 0, 0]]})");
   EXPECT_EQ(in_pixels.fx_px, 900);
+  const Camera in_pixels_and_mm =
+      camera(R"({"Nu": 320, "Nv": 240, "ppx": 0.00586, "ppy": 0.00586, "fx": 2988.58, "fy": 400})");
+  EXPECT_EQ(in_pixels_and_mm.fx_px, 2988.58);
+  EXPECT_EQ(in_pixels_and_mm.fy_px, 400);
   const Camera in_mm =
       camera(R"({"Nu": 320, "Nv": 240, "ppx": 0.01, "ppy": 0.02, "fx": 17.6, "fy": 9})");
   EXPECT_DOUBLE_EQ(in_mm.fx_px, 1760);

@@ -119,6 +119,10 @@ TEST_F(Estimates, OfEsaNamePicturesAndAreInMetres) {
 
   EXPECT_THAT(complaint("img3.png,1,0,0,0,0,0,9\nimg3.png,1,0,0,0,0,0,9\n"),
               HasSubstr("line 2 names a picture that was named before"));
+  EXPECT_THAT(complaint("img3.png,1,0,0,0,0,0,9\nimages/img3.png,1,0,0,0,0,0,9\n"),
+              HasSubstr("two estimates of one picture, as img3.png and as images/img3.png"));
+  EXPECT_THAT(complaint("lightbox/img3.png,1,0,0,0,0,0,9\n"),
+              HasSubstr("line 1 is about 'lightbox/img3.png'"));
   EXPECT_THAT(complaint("img9.png,1,0,0,0,0,0,9\n"), HasSubstr("line 1 is about 'img9.png'"));
   EXPECT_EQ(ask(solver_of("img3.png,2,0,0,0,0,0,9\n"), {.scene_id = 5, .im_id = 3}).outcome,
             EstimateOutcome::kNotRigid);

@@ -22,6 +22,11 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
+std::string bytes_of(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
 TEST_F(StoreTest, GivesBackWhatWasAddedBitByBit) {
   std::vector<TrialRecord> trials;
   for (int i = 0; i < 20; ++i) {
@@ -113,6 +118,20 @@ TEST_F(StoreTest, RollsBackWhatAKilledWriterLeft) {
   EXPECT_EQ(std::filesystem::file_size(file("killed")), size_before);
 }
 
+// Of several databases, whose rolling back removes a file.
+std::string journal_that_removes(const std::filesystem::path& file) {
+  const std::string magic = "\xd9\xd5\x05\xf9\x20\xa1\x63\xd7", name = file.string();
+  const auto big_endian = [](uint32_t value) {
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+    return bytes;
+  };
+  uint32_t sum = 0;
+  for (const char letter : name) sum += static_cast<uint32_t>(letter);
+  return magic + std::string(504, '\0') + big_endian(0) + name +
+         big_endian(static_cast<uint32_t>(name.size())) + big_endian(sum) + magic;
+}
+
 // A journal that ends with the name of a file has SQLite remove that file, whatever it is.
 TEST_F(StoreTest, IsNotOpenedBesideAJournalThatNamesAFile) {
   namespace fs = std::filesystem;
@@ -126,19 +145,15 @@ TEST_F(StoreTest, IsNotOpenedBesideAJournalThatNamesAFile) {
   writer.exec("ROLLBACK");
   expect_same(Store::open(file("copy")).trials(), {drawn_trial(0)});
 
-  const std::string name = precious.string();
-  const auto big_endian = [](uint32_t value) {
-    std::string bytes;
-    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
-    return bytes;
-  };
-  uint32_t sum = 0;
-  for (const char letter : name) sum += static_cast<uint32_t>(letter);
-  std::ofstream(journal, std::ios::binary)
-      << std::string("\xd9\xd5\x05\xf9\x20\xa1\x63\xd7") << std::string(504, '\0') << big_endian(0)
-      << name << big_endian(static_cast<uint32_t>(name.size())) << big_endian(sum)
-      << "\xd9\xd5\x05\xf9\x20\xa1\x63\xd7";
+  const std::string crafted = journal_that_removes(precious);
+  std::ofstream(journal, std::ios::binary) << crafted;
   expect_complaint(error_of([&] { Store::open(file()); }), journal, "is of several databases");
+  // Beside a new store there is none, in whatever folder it is made.
+  for (const char* left : {"new-journal", "new.partial-journal"}) {
+    std::ofstream(file(left), std::ios::binary) << crafted;
+  }
+  Store::create(file("new"), {}).add(std::vector{drawn_trial(0)});
+  expect_same(Store::open(file("new")).trials(), {drawn_trial(0)});
   EXPECT_TRUE(fs::exists(precious));
 
   // Nor is a pipe waited for, or what a link leads to looked at.
@@ -162,7 +177,26 @@ TEST_F(StoreTest, IsReadButNotWrittenThroughALink) {
   expect_same(store.trials(), {drawn_trial(0)});
   expect_complaint(error_of([&] { store.add(std::vector{drawn_trial(1)}); }), file(),
                    "is a link, which nothing is written through");
+  Store::create(file("other"), {}).add(std::vector{drawn_trial(1)});
+  expect_complaint(error_of([&] { store.add_all_of(file("other")); }), file(),
+                   "is a link, which nothing is written through");
   EXPECT_EQ(Store::open(file("there")).size(), 1);
+}
+
+// With a log beside it, SQLite would write to it by its mode alone.
+TEST_F(StoreTest, LeavesSomeoneElsesDatabaseAsItIs) {
+  const std::filesystem::path precious = file("precious.db");
+  SQLite::Database writer(precious.string(), SQLite::OPEN_READWRITE | SQLite::OPEN_CREATE);
+  writer.exec("PRAGMA journal_mode = WAL; CREATE TABLE t (x); INSERT INTO t VALUES (1)");
+  const std::filesystem::path copy = file("copy.db"), log = file("copy.db-wal");
+  std::filesystem::copy_file(precious, copy);
+  std::filesystem::copy_file(file("precious.db-wal"), log);
+  const std::string before = bytes_of(copy), log_before = bytes_of(log);
+  std::filesystem::create_symlink(copy, file());
+  expect_complaint(error_of([&] { Store::open(file()); }), file(), "not one of sightline's");
+  EXPECT_EQ(bytes_of(copy), before);
+  EXPECT_EQ(bytes_of(log), log_before);
+  EXPECT_FALSE(log_before.empty());
 }
 
 TEST_F(StoreTest, LeavesNoOtherFileBehind) {

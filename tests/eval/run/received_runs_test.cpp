@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Folders of runs that somebody sent, made to do harm or damaged.
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -47,6 +48,24 @@ TEST_F(ReceivedRun, IsNamedByAMergeWhereItIsWrong) {
     EXPECT_THAT(outcome.output, HasSubstr("/1/results.sqlite: ")) << sql;
     EXPECT_LT(outcome.output.size(), 1000u) << sql;
   }
+}
+
+// Not where the disk is full: shards are not read whole for what they are not to blame for.
+TEST_F(ReceivedRun, IsNotBlamedForTheDisk) {
+  const std::string path = folder_.path().string(), store = path + "/0/results.sqlite";
+  ASSERT_EQ(run(fmt::format("study cube-outliers --quiet --trials 300 --set 'solvers=[\"lspe\"]' "
+                            "--out {}/0",
+                            path))
+                .exit_code,
+            0);
+  SQLite::Database(store, SQLite::OPEN_READWRITE)
+      .exec("UPDATE estimates SET geodesic_deg = -1 WHERE trial = 1");
+  constexpr uintmax_t kUnitBytes = 512;  // of the shell's limit
+  const uintmax_t half = fs::file_size(store) / 2 / kUnitBytes;
+  const Outcome outcome = run_shell(fmt::format("ulimit -f {}; {} merge {}/0 --out {}/merged", half,
+                                                SIGHTLINE_PROGRAM, path, path));
+  EXPECT_EQ(outcome.exit_code, 1) << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("/.merged.partial/results.sqlite: cannot be written"));
 }
 
 // A folder of others may have links where figures are drawn: nothing is written through them.

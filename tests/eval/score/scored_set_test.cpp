@@ -168,15 +168,17 @@ TEST_F(SpeedScores, KnowPicturesByTheirFoldersToo) {
                                                            {"images/b/1.png", 1},
                                                            {"./b//1.png", 1},
                                                            {"2.png", 2},
-                                                           {"elsewhere/2.png", 2},
-                                                           {"/set/images/a/1.png", 0}}) {
+                                                           {"../b/2.png", 2},
+                                                           {"/set/images/a/1.png", 0},
+                                                           {"/mnt/set/images/b/2.png", 2}}) {
     EXPECT_EQ(names.find(name, "r.csv"), id) << name;
   }
-  EXPECT_EQ(names.find("3.png", "r.csv"), std::nullopt);
-  for (const char* name : {"1.png", "c/1.png"}) {
-    EXPECT_THAT(error_of([&] { names.find(name, "r.csv"); }),
-                HasSubstr("r.csv: the set has several pictures '1.png': say which"));
+  // Of another set, such as a split of SPEED+, the file may have the same name.
+  for (const char* name : {"3.png", "elsewhere/2.png", "c/1.png", "/other/images/b/2.png"}) {
+    EXPECT_EQ(names.find(name, "r.csv"), std::nullopt) << name;
   }
+  EXPECT_THAT(error_of([&] { names.find("1.png", "r.csv"); }),
+              HasSubstr("r.csv: the set has several pictures '1.png': say which"));
 }
 
 }  // namespace
