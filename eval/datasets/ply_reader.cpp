@@ -121,8 +121,8 @@ class PlyReader {
 
   // ---- the header
 
-  // A line of the header, which ends as those of a text may. Where the first line ends with CR alone
-  // so does the last, and an LF behind it is a binary file's first byte.
+  // A line of the header, which ends as those of a text may. Where the first line ends with CR
+  // alone so does the last, and an LF behind it is a binary file's first byte.
   bool read_header_line(bool is_first) {
     line_.clear();
     std::streambuf& bytes = *stream_->rdbuf();
@@ -343,7 +343,7 @@ class PlyReader {
   double vertices_ = 0;        // that the header tells of
   std::vector<PlyElement> elements_;
   std::string line_;
-  std::string_view rest_;  // of it
+  std::string_view rest_;                      // of it
   std::vector<std::array<int, 3>> triangles_;  // a mesh's take seven times the memory
   Mesh mesh_;
 };

@@ -120,6 +120,21 @@ TEST(Diameter, OfNearlyEqualChordsIsThatOfAllPairs) {
   }
 }
 
+// From the first point, and from the one that is farthest from the middle, the way to the farthest
+// leads to the chord along x only; that along z is longer in the twelfth digit.
+TEST(Diameter, OfALongerChordIsFoundWithoutPairsToSpare) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 1000; ++i) {
+    const double inwards = 1 - 5e-6 * i;
+    for (const double side : {1, -1}) {
+      points.emplace_back(side * inwards, 0, 0);
+      points.emplace_back(0, 0, side * inwards * (1 + 1e-12));
+    }
+    points.emplace_back(-0.01, 1.01 * inwards, 0);
+  }
+  EXPECT_EQ(diameter(points, 0), 2 * (1 + 1e-12));
+}
+
 // Two squares that face each other: what the distances differ by is less than their rounding.
 std::vector<Eigen::Vector3d> facing_squares(const Eigen::Matrix3d& turned, int points_of_one) {
   RandomStream stream(1, "squares", points_of_one);
@@ -139,7 +154,7 @@ TEST(Diameter, OfSquaresThatFaceEachOtherIsThatOfAllPairs) {
   }
 }
 
-// Comparing all pairs would take minutes: bounds spare it to the first, the most pairs to the second.
+// Comparing all pairs would take minutes: bounds spare the first that, the most pairs the second.
 TEST(Diameter, ManyPointsOnSquaresThatFaceEachOtherAreNoMatter) {
   constexpr int kMany = 300'000;
   const Eigen::Matrix3d turned = RandomStream(1, "turn", 0).rotation();
