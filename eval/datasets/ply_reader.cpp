@@ -16,6 +16,7 @@
 #include <sstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 #include <fmt/format.h>
@@ -24,12 +25,14 @@
 #include "scenes/files/input_error.h"
 #include "scenes/files/input_file.h"
 #include "scenes/files/pauses.h"
+#include "scenes/mesh/mesh_soup.h"
 #include "scenes/mesh/ply_text.h"
 
 namespace sightline {
 namespace {
 
 constexpr int kMostHeaderLines = 10'000;
+constexpr uint64_t kMostCorners = 100'000;  // of a face
 constexpr std::string_view kAxes = "xyz";
 
 // How a number is written in a binary file.
@@ -106,12 +109,8 @@ class PlyReader {
     read_header();
     for (const PlyElement& element : elements_) read_rows(element);
     if (mesh_.vertices.empty()) fail("has no vertices");
-    const auto count = static_cast<int>(mesh_.vertices.size());
-    for (const Triangle& triangle : mesh_.triangles) {
-      if (*std::max_element(triangle.vertex.begin(), triangle.vertex.end()) >= count) {
-        fail("a face has a vertex that is not there");
-      }
-    }
+    mesh_.triangles.resize(triangles_.size());
+    for (size_t i = 0; i < triangles_.size(); ++i) mesh_.triangles[i].vertex = triangles_[i];
     return std::move(mesh_);
   }
 
@@ -122,9 +121,26 @@ class PlyReader {
 
   // ---- the header
 
-  std::vector<std::string> header_words() {
-    if (!read_bounded_line(*stream_, line_))
-      fail("cannot be read as a PLY mesh: its header does not end");
+  // A line of the header, which ends as those of a text may. Where the first line ends with CR
+  // alone so does the last, and an LF behind it is a binary file's first byte.
+  bool read_header_line(bool is_first) {
+    line_.clear();
+    std::streambuf& bytes = *stream_->rdbuf();
+    constexpr int kEnd = std::char_traits<char>::eof();
+    int next = bytes.sbumpc();
+    for (; next != kEnd && next != '\n' && next != '\r'; next = bytes.sbumpc()) {
+      if (line_.size() == kLongestLine) return true;
+      line_ += static_cast<char>(next);
+    }
+    if (next != '\r') return next == '\n' || !line_.empty();
+    const bool has_both = bytes.sgetc() == '\n';
+    if (is_first) ends_with_cr_ = !has_both;
+    if (has_both && !ends_with_cr_) bytes.sbumpc();
+    return true;
+  }
+
+  std::vector<std::string> header_words(bool is_first = false) {
+    if (!read_header_line(is_first)) fail("cannot be read as a PLY mesh: its header does not end");
     std::istringstream stream(line_.substr(0, kShownOfLine));
     std::vector<std::string> words;
     for (std::string word; stream >> word;) words.push_back(word);
@@ -132,7 +148,7 @@ class PlyReader {
   }
 
   void read_header() {
-    if (header_words() != std::vector<std::string>{"ply"}) {
+    if (header_words(/*is_first=*/true) != std::vector<std::string>{"ply"}) {
       fail("cannot be read as a PLY mesh: its first line must be 'ply'");
     }
     for (int lines = 0; lines < kMostHeaderLines; ++lines) {
@@ -160,7 +176,8 @@ class PlyReader {
     if (words[0] == "element") {
       elements_.push_back({.name = words[1], .properties = {}});
       const char* const end = words[2].data() + words[2].size();
-      return std::from_chars(words[2].data(), end, elements_.back().rows).ptr == end;
+      const auto [rest, error] = std::from_chars(words[2].data(), end, elements_.back().rows);
+      return error == std::errc() && rest == end;
     }
     if (words[0] != "property" || elements_.empty()) return false;
     const bool is_list = words[1] == "list";
@@ -171,7 +188,7 @@ class PlyReader {
     return elements_.back().properties.back().is_known();
   }
 
-  void check_header() const {
+  void check_header() {
     if (!has_format_) fail("cannot be read as a PLY mesh: its header states no format");
     for (const PlyElement& element : elements_) {
       if (!element.is_of_vertices()) continue;
@@ -180,6 +197,7 @@ class PlyReader {
         if (property.axis) ++times[static_cast<size_t>(*property.axis)];
       }
       if (times != std::array{1, 1, 1}) fail("its vertices must have each of x, y and z once");
+      vertices_ += static_cast<double>(element.rows);
     }
   }
 
@@ -187,7 +205,7 @@ class PlyReader {
 
   void read_rows(const PlyElement& element) {
     if (element.properties.empty()) return;  // however many there are, they take no bytes
-    std::vector<double> corners;
+    std::vector<int> corners;
     for (uint64_t row = 0; row < element.rows; ++row) {
       pause_at_times();
       begin_row(element);
@@ -195,9 +213,10 @@ class PlyReader {
       for (const PlyProperty& property : element.properties) {
         if (property.count) {
           read_list(element, property, corners);
+        } else if (property.axis && element.is_of_vertices()) {
+          place[*property.axis] = next_number(element, property.type);
         } else {
-          const double number = next_number(element, property.type);
-          if (property.axis) place[*property.axis] = number;
+          skip_number(element, property.type);
         }
       }
       if (element.is_of_vertices()) add_vertex(place);
@@ -207,15 +226,21 @@ class PlyReader {
 
   // What another list than a face's corners holds is forgotten.
   void read_list(const PlyElement& element, const PlyProperty& property,
-                 std::vector<double>& corners) {
+                 std::vector<int>& corners) {
     const double count = next_number(element, *property.count);
     if (!(count >= 0) || count != std::floor(count)) {
       fail(fmt::format("a row of '{}' has a list of {} numbers", element.name, count));
     }
-    if (property.has_corners) corners.clear();
-    for (double i = 0; i < count; ++i) {
-      const double number = next_number(element, property.type);
-      if (property.has_corners) corners.push_back(number);
+    if (property.has_corners && element.is_of_faces()) {
+      if (count > kMostCorners) {
+        fail(fmt::format("a face has {} corners; at most {} are read", count, kMostCorners));
+      }
+      corners.clear();
+      for (double i = 0; i < count; ++i) {
+        corners.push_back(vertex_of(next_number(element, property.type)));
+      }
+    } else {
+      for (double i = 0; i < count; ++i) skip_number(element, property.type);
     }
   }
 
@@ -239,16 +264,32 @@ class PlyReader {
     return is_text_ ? next_of_line(element) : next_of_bytes(element, type);
   }
 
-  double next_of_line(const PlyElement& element) {
-    const std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
-    const auto number = parsed_number(word);
-    if (!number) {
-      fail(fmt::format("a row of '{}' has {} where a number must stand", element.name,
-                       word.empty() ? "its end" : fmt::format("'{}'", word.substr(0, 40))));
+  // What is not used need be no number: old compilers' programs write normals of "-1.#IND".
+  void skip_number(const PlyElement& element, PlyType type) {
+    if (is_text_) {
+      next_word(element);
+    } else {
+      next_of_bytes(element, type);
     }
+  }
+
+  std::string_view next_word(const PlyElement& element) {
+    const std::string_view word = rest_.substr(0, rest_.find_first_of(kBlanks));
+    if (word.empty()) fail_at_word(element, "its end");
     rest_.remove_prefix(word.size());
     skip_blanks();
+    return word;
+  }
+
+  double next_of_line(const PlyElement& element) {
+    const std::string_view word = next_word(element);
+    const auto number = parsed_number(word);
+    if (!number) fail_at_word(element, fmt::format("'{}'", word.substr(0, 40)));
     return *number;
+  }
+
+  [[noreturn]] void fail_at_word(const PlyElement& element, const std::string& word) const {
+    fail(fmt::format("a row of '{}' has {} where a number must stand", element.name, word));
   }
 
   double next_of_bytes(const PlyElement& element, PlyType type) {
@@ -274,17 +315,19 @@ class PlyReader {
   }
 
   int vertex_of(double corner) const {
-    if (corner >= 0 && corner < std::numeric_limits<int>::max() && corner == std::floor(corner)) {
+    const double end = std::min<double>(vertices_, std::numeric_limits<int>::max());
+    if (corner >= 0 && corner < end && corner == std::floor(corner)) {
       return static_cast<int>(corner);
     }
     fail("a face has a vertex that is not there");
   }
 
-  void add_face(const std::vector<double>& corners) {
+  void add_face(const std::vector<int>& corners) {
+    if (triangles_.size() + corners.size() > kMaxTriangles + 2) {
+      fail(fmt::format("has more than {} triangles", kMaxTriangles));
+    }
     for (size_t i = 2; i < corners.size(); ++i) {
-      Triangle triangle;
-      triangle.vertex = {vertex_of(corners[0]), vertex_of(corners[i - 1]), vertex_of(corners[i])};
-      mesh_.triangles.push_back(triangle);
+      triangles_.push_back({corners[0], corners[i - 1], corners[i]});
     }
   }
 
@@ -296,9 +339,12 @@ class PlyReader {
   bool has_format_ = false;
   bool is_text_ = false;
   bool is_big_endian_ = false;
+  bool ends_with_cr_ = false;  // each line, as the first
+  double vertices_ = 0;        // that the header tells of
   std::vector<PlyElement> elements_;
   std::string line_;
-  std::string_view rest_;  // of it
+  std::string_view rest_;                      // of it
+  std::vector<std::array<int, 3>> triangles_;  // a mesh's take seven times the memory
   Mesh mesh_;
 };
 

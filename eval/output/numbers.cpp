@@ -62,10 +62,15 @@ std::string interval_text(const std::array<double, 2>& bounds, int decimals) {
 
 std::optional<double> parsed_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
+  const char* const end = text.data() + text.size();
   double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
-  return value;
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  if (rest != end) return std::nullopt;
+  if (error == std::errc()) return value;
+  // Too large or too small: a type of more exponents knows which.
+  long double wide = 0;
+  const bool is_wide = std::from_chars(text.data(), end, wide).ec == std::errc();
+  return is_wide && std::abs(wide) < 1 ? std::optional(0.0) : std::nullopt;
 }
 
 std::string count_of(int64_t part, int64_t whole) {

@@ -35,8 +35,8 @@ std::string interval(const std::array<double, 2>& bounds, int decimals);
 /// The same for the terminal; "-" where there is none.
 std::string interval_text(const std::array<double, 2>& bounds, int decimals);
 
-/// The number that is the whole text, which may begin with a plus and be nan or infinite; none
-/// where it is no number.
+/// The number that is the whole text, which may begin with a plus and be nan or infinite, and is 0
+/// where a double has none so small; none where it is no number, or too large.
 std::optional<double> parsed_number(std::string_view text);
 
 /// "12 (3.0 %)"; "0" alone for none of some, "–" for none of none.

@@ -25,6 +25,7 @@ struct Node {
   Vector3d centre;
   Eigen::Matrix3d half_axes;  // columns, from the centre to the sides
   double radius = 0;          // half the box's diagonal
+  Eigen::AlignedBox3d aligned;
   std::span<Vector3d> points;
   std::array<int, 2> children = {-1, -1};
   bool is_leaf() const { return children[0] < 0; }
@@ -51,6 +52,7 @@ Node box_about(std::span<Vector3d> points) {
   }
   node.half_axes = axes * half.asDiagonal();
   node.radius = half.norm();
+  for (const Vector3d& point : points) node.aligned.extend(point);
   node.points = node.radius > 0 ? points : points.first(1);  // any number in one place is one
   return node;
 }
@@ -84,37 +86,53 @@ struct NodePair {
 // farthest apart see each other along the normals of their surfaces, where the boxes are thin, so
 // that the bound is too great by no more than the order of the boxes' widths squared. This is why
 // few pairs of boxes are left even of a ball, all of whose diameters are nearly the longest.
+//
+// Of two small and distant boxes the terms are lost in the rounding. Those along x, y and z have a
+// bound that needs no slack: no operation that rounds makes less of more.
 NodePair pair_of(const Node& a, const Node& b) {
   const Vector3d between = b.centre - a.centre;
   const double reach = (a.half_axes.transpose() * between).lpNorm<1>() +
                        (b.half_axes.transpose() * between).lpNorm<1>();
   const double across = a.radius + b.radius;
   const double squared = between.squaredNorm() + 2 * reach + across * across;
-  return {&a, &b, squared * (1 + kRounding)};
+  const Vector3d farthest =
+      (b.aligned.max() - a.aligned.min()).cwiseMax(a.aligned.max() - b.aligned.min());
+  return {&a, &b, std::min(squared * (1 + kRounding), farthest.squaredNorm())};
 }
 
-// Raises `best`, the greatest squared distance found, by the points of a pair of nodes.
-void search(const std::vector<Node>& nodes, const NodePair& pair, double& best) {
-  if (pair.bound <= best) return;
+// The greatest squared distance found, and how many more may be compared with it to be exact.
+struct Search {
+  double best = 0;
+  uint64_t pairs_left = 0;
+
+  bool may_gain(const NodePair& pair) const {
+    return pair.bound > (pairs_left > 0 ? best : best * (1 + 2 * kRounding));
+  }
+};
+
+void compare_points(const Node& a, const Node& b, Search& found) {
+  for (const Vector3d& p : a.points) {
+    for (const Vector3d& q : b.points) found.best = std::max(found.best, (p - q).squaredNorm());
+  }
+  found.pairs_left -= std::min<uint64_t>(found.pairs_left, a.points.size() * b.points.size());
+}
+
+void search(const std::vector<Node>& nodes, const NodePair& pair, Search& found) {
+  if (!found.may_gain(pair)) return;
   const Node& a = *pair.a;
   const Node& b = *pair.b;
-  if (a.is_leaf() && b.is_leaf()) {
-    for (const Vector3d& p : a.points) {
-      for (const Vector3d& q : b.points) best = std::max(best, (p - q).squaredNorm());
-    }
-    return;
-  }
+  if (a.is_leaf() && b.is_leaf()) return compare_points(a, b, found);
   const bool is_one = &a == &b;
   const bool splits_a = b.is_leaf() || (!a.is_leaf() && a.radius >= b.radius);
   const Node& first = nodes[(splits_a ? a : b).children[0]];
   const Node& second = nodes[(splits_a ? a : b).children[1]];
-  if (is_one) search(nodes, pair_of(first, second), best);
+  if (is_one) search(nodes, pair_of(first, second), found);
   const Node& other = splits_a ? b : a;
   NodePair nearer = pair_of(first, is_one ? first : other);
   NodePair farther = pair_of(second, is_one ? second : other);
   if (nearer.bound > farther.bound) std::swap(nearer, farther);
-  search(nodes, farther, best);
-  search(nodes, nearer, best);
+  search(nodes, farther, found);
+  search(nodes, nearer, found);
 }
 
 const Vector3d& farthest_from(const Vector3d& from, const std::vector<Vector3d>& points) {
@@ -151,23 +169,23 @@ LongPair climb(const Vector3d& start, const std::vector<Vector3d>& points) {
 
 }  // namespace
 
-double diameter(std::vector<Vector3d> points) {
+double diameter(std::vector<Vector3d> points, uint64_t most_pairs) {
   if (points.size() < 2) return 0;
   LongPair pair = climb(points.front(), points);
   const LongPair other = climb(farthest_from(pair.middle(), points), points);
   if (other.squared() > pair.squared()) pair = other;
-  double best = pair.squared();
+  Search found{.best = pair.squared(), .pairs_left = most_pairs};
   // Two points are no farther apart than the sum of their distances from any third: one that is
   // too near to that is of no longer pair.
   const Vector3d centre = pair.middle();
   const double farthest = (farthest_from(centre, points) - centre).norm();
-  const double least = std::sqrt(best) * (1 - kRounding) - farthest;
+  const double least = std::sqrt(found.best) * (1 - kRounding) - farthest;
   std::erase_if(points, [&](const Vector3d& point) { return (point - centre).norm() <= least; });
-  if (points.empty()) return std::sqrt(best);
+  if (points.empty()) return std::sqrt(found.best);
   std::vector<Node> nodes;
   build(points, nodes);
-  search(nodes, pair_of(nodes.front(), nodes.front()), best);
-  return std::sqrt(best);
+  search(nodes, pair_of(nodes.front(), nodes.front()), found);
+  return std::sqrt(found.best);
 }
 
 }  // namespace sightline

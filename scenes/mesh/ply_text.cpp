@@ -8,6 +8,7 @@
 #include <cstring>
 #include <map>
 #include <sstream>
+#include <system_error>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -55,7 +56,8 @@ struct PlyHeader {
 
   bool read_count(const std::string& text) {
     const char* const end = text.data() + text.size();
-    return std::from_chars(text.data(), end, points.count).ptr == end;
+    const auto [rest, error] = std::from_chars(text.data(), end, points.count);
+    return error == std::errc() && rest == end;
   }
 
   void read_property(const std::string& type, const std::string& name) {
@@ -108,8 +110,8 @@ std::optional<Eigen::Vector3d> ascii_vertex(const std::vector<std::string_view>&
     std::string_view word = words[points.place[axis]];
     if (word.starts_with('+')) word.remove_prefix(1);
     const char* const end = word.data() + word.size();
-    if (std::from_chars(word.data(), end, x[static_cast<int>(axis)]).ptr != end)
-      return std::nullopt;
+    const auto [rest, error] = std::from_chars(word.data(), end, x[static_cast<int>(axis)]);
+    if (error != std::errc() || rest != end) return std::nullopt;
   }
   return x;
 }

@@ -125,6 +125,48 @@ TEST_F(PlyOfPoints, IsReadAsItStandsBesideWhatIsNoVertexAndNoFace) {
   EXPECT_TRUE(read(kHead + kVertices + kEnd + kPlaces).triangles.empty());
 }
 
+TEST_F(PlyOfPoints, NeedsNumbersOnlyWhereItUsesThem) {
+  const Mesh mesh =
+      read(kHead + "element vertex 1\nproperty float x\nproperty float nx\nproperty float y\n" +
+           "property list uchar float near\nproperty float z\nelement camera 1\n" +
+           "property float x\n" + kEnd + "1 -1.#IND -1e-400 2 1.#INF n/a 3\nnone\n");
+  ASSERT_EQ(mesh.vertices.size(), 1u);
+  EXPECT_EQ(mesh.vertices[0], Eigen::Vector3d(1, 0, 3));
+}
+
+// The first byte is that of an LF.
+TEST_F(PlyOfPoints, BeginBehindTheEndOfTheHeaderAsItsLinesEnd) {
+  for (const std::string end : {"\n", "\r", "\r\n"}) {
+    std::string ply = "ply\nformat binary_little_endian 1.0\n";
+    ply += "element vertex 1\nproperty uchar x\nproperty uchar y\nproperty uchar z\nend_header\n";
+    for (size_t at = ply.find('\n'); at != ply.npos; at = ply.find('\n', at + end.size())) {
+      ply.replace(at, 1, end);
+    }
+    const Mesh mesh = read(ply + "\n\r\n");
+    ASSERT_EQ(mesh.vertices.size(), 1u);
+    EXPECT_EQ(mesh.vertices[0], Eigen::Vector3d(10, 13, 10)) << testing::PrintToString(end);
+  }
+}
+
+// They pack to next to nothing, and a triangle takes many times a corner's bytes.
+TEST_F(PlyOfPoints, OfFacesWithoutEndAreRefused) {
+  const std::string head =
+      "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty uchar x\n"
+      "property uchar y\nproperty uchar z\nelement face 200\n"
+      "property list uint uchar vertex_index\nend_header\n";
+  const std::string vertex(3, '\0');
+  const auto face = [](uint32_t corners) {
+    return bytes_of<uint32_t>(corners, "binary_little_endian") + std::string(corners, '\0');
+  };
+  EXPECT_THAT(error(head + vertex + face(100'001)),
+              HasSubstr("m.ply: a face has 100001 corners; at most 100000 are read"));
+  std::string faces;
+  for (int i = 0; i < 120; ++i) faces += face(100'000);
+  EXPECT_THAT(error(head + vertex + faces), HasSubstr("is cut short"));
+  EXPECT_THAT(error(head + vertex + faces + face(300)),
+              HasSubstr("m.ply: has more than 12000000 triangles"));
+}
+
 TEST_F(PlyOfPoints, ThatIsNoneIsSaidInOneLine) {
   const std::string head = kHead + kVertices + kFaces + kEnd;
   const std::string binary = "ply\nformat binary_little_endian 1.0\n" + kVertices + kEnd;
@@ -132,13 +174,18 @@ TEST_F(PlyOfPoints, ThatIsNoneIsSaidInOneLine) {
     std::string text = head + kPlaces + kCorners;
     return text.erase(text.find(line), line.size());
   };
-  const std::array<std::array<std::string, 2>, 14> cases = {{
+  const std::array<std::array<std::string, 2>, 17> cases = {{
       {"solid cube\n", "cannot be read as a PLY mesh: its first line must be 'ply'"},
       {"", "cannot be read as a PLY mesh: its header does not end"},
       {kHead + kVertices, "its header does not end"},
       {without("format ascii 1.0\n"), "its header states no format"},
       {"ply\nformat utf8 1.0\n" + kEnd, "its header has the line 'format utf8 1.0'"},
       {kHead + "element vertex -3\n" + kEnd, "its header has the line 'element vertex -3'"},
+      {kHead + "element vertex 99999999999999999999\n" + kEnd,
+       "its header has the line 'element vertex 99999999999999999999'"},
+      {kHead + kVertices + "element face 99999999999999999999\n" + kEnd,
+       "its header has the line 'element face 99999999999999999999'"},
+      {head + "0 0 1e400\n", "a row of 'vertex' has '1e400' where a number must stand"},
       {kHead + "element vertex 3\nproperty half x\n" + kEnd, "has the line 'property half x'"},
       {without("property float y\n"), "its vertices must have each of x, y and z once"},
       {kHead + kEnd, "has no vertices"},

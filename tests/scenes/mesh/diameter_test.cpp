@@ -49,11 +49,13 @@ Eigen::Vector3d point_of(int shape, RandomStream& stream) {
       return (2 * direction).array().round();  // many of the same
     case 9:
       return side > 0 ? on_circle : Eigen::Vector3d(0, 0, 3);  // a cone
+    case 10:
+      return 1e-9 * stream.normal3() + Eigen::Vector3d(side, 0, 0);  // two farther clusters
     default:
       return Eigen::Vector3d(side, side, side);  // two places
   }
 }
-constexpr int kShapes = 11;
+constexpr int kShapes = 12;
 
 TEST(Diameter, IsThatOfAllPairs) {
   constexpr int kClouds = 12 * kShapes;
@@ -70,7 +72,11 @@ TEST(Diameter, IsThatOfAllPairs) {
       if (is_single) p = p.cast<float>().cast<double>();
       points.push_back(p);
     }
-    EXPECT_EQ(diameter(points), by_all_pairs(points)) << cloud;
+    const double exact = by_all_pairs(points);
+    EXPECT_EQ(diameter(points), exact) << cloud;
+    const double hasty = diameter(points, 0);
+    EXPECT_LE(hasty, exact) << cloud;
+    EXPECT_GE(hasty, exact * (1 - 1e-13)) << cloud;
   }
 }
 
@@ -112,6 +118,48 @@ TEST(Diameter, OfNearlyEqualChordsIsThatOfAllPairs) {
     }
     EXPECT_EQ(diameter(points), by_all_pairs(points)) << bundle;
   }
+}
+
+// From the first point, and from the one that is farthest from the middle, the way to the farthest
+// leads to the chord along x only; that along z is longer in the twelfth digit.
+TEST(Diameter, OfALongerChordIsFoundWithoutPairsToSpare) {
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 1000; ++i) {
+    const double inwards = 1 - 5e-6 * i;
+    for (const double side : {1, -1}) {
+      points.emplace_back(side * inwards, 0, 0);
+      points.emplace_back(0, 0, side * inwards * (1 + 1e-12));
+    }
+    points.emplace_back(-0.01, 1.01 * inwards, 0);
+  }
+  EXPECT_EQ(diameter(points, 0), 2 * (1 + 1e-12));
+}
+
+// Two squares that face each other: what the distances differ by is less than their rounding.
+std::vector<Eigen::Vector3d> facing_squares(const Eigen::Matrix3d& turned, int points_of_one) {
+  RandomStream stream(1, "squares", points_of_one);
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i < 2 * points_of_one; ++i) {
+    const double y = stream.uniform(-1e-5, 1e-5);
+    points.push_back(turned * Eigen::Vector3d(i % 2 * 1000, y, stream.uniform(-1e-5, 1e-5)));
+  }
+  return points;
+}
+
+TEST(Diameter, OfSquaresThatFaceEachOtherIsThatOfAllPairs) {
+  const Eigen::Matrix3d turned = RandomStream(1, "turn", 0).rotation();
+  for (const Eigen::Matrix3d& turn : {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), turned}) {
+    const auto points = facing_squares(turn, 500);
+    EXPECT_EQ(diameter(points), by_all_pairs(points));
+  }
+}
+
+// Comparing all pairs would take minutes: bounds spare the first that, the most pairs the second.
+TEST(Diameter, ManyPointsOnSquaresThatFaceEachOtherAreNoMatter) {
+  constexpr int kMany = 300'000;
+  const Eigen::Matrix3d turned = RandomStream(1, "turn", 0).rotation();
+  EXPECT_NEAR(diameter(facing_squares(Eigen::Matrix3d::Identity(), kMany)), 1000, 1e-12);
+  EXPECT_NEAR(diameter(facing_squares(turned, kMany), 1'000'000), 1000, 1e-12);
 }
 
 TEST(Diameter, OfFewPoints) {

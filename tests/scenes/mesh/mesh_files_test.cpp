@@ -17,6 +17,7 @@
 #include "scenes/mesh/mesh_inspection.h"
 #include "scenes/mesh/mesh_io.h"
 #include "scenes/mesh/mesh_text.h"
+#include "scenes/mesh/ply_text.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
 
@@ -231,6 +232,16 @@ TEST_F(MeshFiles, AGeoreferencedPlyOfDoublesIsExact) {
   // Single precision has half a metre there: nothing can bring it back.
   const auto coarse = folder_.write("utm.ply", utm_ply("binary_little_endian", "float"));
   EXPECT_GT((bounds(read_mesh(coarse).mesh).min_m - kUtm).norm(), 1e-3);
+}
+
+TEST(PlyText, OfMoreVerticesThanCanBeCountedIsNone) {
+  const auto ply = [](const std::string& count) {
+    return "ply\nformat ascii 1.0\nelement vertex " + count +
+           "\nproperty double x\nproperty double y\nproperty double z\nend_header\n1e9 2 1e400\n";
+  };
+  ASSERT_TRUE(double_points(ply("1")));
+  EXPECT_FALSE(double_points(ply("99999999999999999999")));
+  EXPECT_FALSE(far_middle(*double_points(ply("1")), ply("1")));
 }
 
 }  // namespace
