@@ -100,24 +100,14 @@ std::string words_of(const toml::parse_error& error) {
                      text.substr(begin, end - begin + 1));
 }
 
-bool is_bracketed(std::string_view value) {
-  return (value.starts_with('[') && value.ends_with(']')) ||
-         (value.starts_with('{') && value.ends_with('}'));
-}
-
 // The value of an override: TOML if it parses as such, else the words themselves, unless they stand
 // in brackets as a list or a table does.
 toml::table parse_override_value(const std::string& setting) {
   const std::string value = setting.substr(setting.find('=') + 1);
   try {
-    return toml::parse("value = " + value);
+    return toml::parse("value = " + typed_value(value).value_or(value));
   } catch (const toml::parse_error& error) {
-    if (is_bracketed(value)) {
-      throw InputError(fmt::format("--set {}: {}", setting, words_of(error)));
-    }
-    toml::table table;
-    table.insert("value", value);
-    return table;
+    throw InputError(fmt::format("--set {}: {}", setting, words_of(error)));
   }
 }
 
@@ -175,15 +165,6 @@ void add_values(const std::string& path, const toml::node& node,
 }
 
 }  // namespace
-
-std::optional<std::string> typed_value(const std::string& typed) {
-  try {
-    static_cast<void>(toml::parse("value = " + typed));
-    return typed;
-  } catch (const toml::parse_error&) {
-    return is_bracketed(typed) ? std::nullopt : std::optional(toml_text(typed));
-  }
-}
 
 TomlTable TomlTable::read_file(const std::filesystem::path& file,
                                std::span<const std::string> overrides) {

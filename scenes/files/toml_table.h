@@ -23,10 +23,6 @@ struct Interval {
   double max = std::numeric_limits<double>::infinity();
 };
 
-/// What was typed as a value in TOML: as it is where it is one, else as a text in quotes. None for
-/// what stands in brackets as a list or a table does and is none.
-std::optional<std::string> typed_value(const std::string& typed);
-
 /// The strict way to read a TOML file: every value is checked at the door, every error is an
 /// InputError that names the file, the key, what was given and what is allowed, and
 /// `reject_unknown_keys` turns a key that nobody asked for into an error. A getter without fallback

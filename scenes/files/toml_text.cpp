@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include <fmt/format.h>
+#include <toml++/toml.h>
 
 #include "scenes/files/input_error.h"
 
@@ -66,6 +67,17 @@ std::string toml_text(std::string_view text) {
     }
   }
   return out + '"';
+}
+
+std::optional<std::string> typed_value(const std::string& typed) {
+  try {
+    static_cast<void>(toml::parse("value = " + typed));
+    return typed;
+  } catch (const toml::parse_error&) {
+    const bool is_bracketed = (typed.starts_with('[') && typed.ends_with(']')) ||
+                              (typed.starts_with('{') && typed.ends_with('}'));
+    return is_bracketed ? std::nullopt : std::optional(toml_text(typed));
+  }
 }
 
 std::string plain_name(std::string_view text) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -13,8 +14,12 @@ namespace sightline {
 /// A text as TOML writes it, in quotes, whatever it holds.
 std::string toml_text(std::string_view text);
 
-/// A name made of any text: its letters, digits, '-' and '.', all else as underscores, which need no
-/// escape in TOML or a shell. It is never empty and does not begin with a '.'.
+/// What was typed as a value in TOML: as it is where it is one, else as a text in quotes. None for
+/// what stands in brackets as a list or a table does and is none.
+std::optional<std::string> typed_value(const std::string& typed);
+
+/// A name made of any text: its letters, digits, '-' and '.', all else as underscores, which need
+/// no escape in TOML or a shell. It is never empty and does not begin with a '.'.
 std::string plain_name(std::string_view text);
 
 /// TOML with its numbers in the fewest digits that read back the same: toml++ writes 0.15 as

@@ -18,7 +18,7 @@
 #include "eval/study/study_file.h"
 #include "eval/target/image_bound_report.h"
 #include "scenes/files/input_error.h"
-#include "scenes/files/toml_table.h"
+#include "scenes/files/toml_text.h"
 
 namespace sightline {
 namespace {
