@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
+#include <span>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
 
 #include "registration/edge_fit.h"
 #include "registration/fit.h"
+#include "registration/one_face.h"
 #include "registration/symmetric.h"
 #include "registration/usable.h"
 
@@ -193,25 +196,9 @@ class Trials {
   int drawings_ = 0;
 };
 
-}  // namespace
-
-std::string_view to_string(RegistrationStatus status) {
-  constexpr std::array<std::string_view, 6> kNames = {
-      "ok",         "behind_camera", "target outside", "target too small", "target saturated",
-      "not trusted"};
-  return kNames[static_cast<size_t>(status)];
-}
-
-Registration register_mesh(const RegistrationTask& task, const RegistrationOptions& options) {
-  const GreyImage image = grey_image(task.image, task.white, options.is_srgb, task.camera);
-  Fitter fitter(task.mesh, task.prior, noise_variance(image, options), options);
+// From start to start until a fit is found that may be believed, or none is.
+Registration searched(const RegistrationTask& task, const GreyImage& image, Fitter& fitter) {
   Trials trials;
-  if (const Usability found = usability(task, image); found.status != RegistrationStatus::kOk) {
-    Registration out;
-    out.status = found.status;
-    out.reason = found.reason;
-    return out;
-  }
   if (task.start) {
     if (trials.take(fitter.fit(fit_levels(image, true), *task.start, kTightSd)))
       return trials.result(task);
@@ -243,6 +230,67 @@ Registration register_mesh(const RegistrationTask& task, const RegistrationOptio
     }
   }
   return trials.result(task);
+}
+
+// Where one flat face is seen and its neighbours as slivers, poses that are turned a little look
+// alike, and a search ends in the next of them: all about are tried, and where another is as good
+// none is trusted.
+Registration tried_around(const Registration& found, const RegistrationTask& task,
+                          const GreyImage& image, Fitter& fitter) {
+  constexpr int kStarts = 8;
+  constexpr double kSds = 1.5;
+  constexpr double kAsGood = 30;  // of the cost
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
+      task.prior.covariance.topLeftCorner<3, 3>(), Eigen::EigenvaluesOnly);
+  const double turn_rad = kSds * std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
+  const std::vector<FitLevel> levels = fit_levels(image, false);
+  std::vector<Registration> fits = {found};
+  for (int i = 0; i < kStarts; ++i) {
+    const double way = 2 * std::numbers::pi * i / kStarts;
+    Pose start = found.cam_from_target;
+    start.rotation =
+        rotation_from_vector(turn_rad * Eigen::Vector3d(std::cos(way), std::sin(way), 0)) *
+        start.rotation;
+    const Registration fit = fitter.fit(levels, start, kTightSd);
+    if (fit.is_ok() && is_allowed_by(task.prior, fit.cam_from_target)) fits.push_back(fit);
+  }
+  Registration best = *std::ranges::min_element(fits, {}, &Registration::cost);
+  const bool has_rival = std::ranges::any_of(fits, [&](const Registration& fit) {
+    return !agree(fit, best) && fit.cost < best.cost + kAsGood;
+  });
+  if (has_rival) {
+    best.status = RegistrationStatus::kNotTrusted;
+    best.reason = "one flat face alone is seen, and other poses are as good";
+  }
+  best.starts = found.starts + kStarts;
+  best.drawings = found.drawings;
+  for (const Registration& fit : std::span(fits).subspan(1)) best.drawings += fit.drawings;
+  return best;
+}
+
+}  // namespace
+
+std::string_view to_string(RegistrationStatus status) {
+  constexpr std::array<std::string_view, 6> kNames = {
+      "ok",         "behind_camera", "target outside", "target too small", "target saturated",
+      "not trusted"};
+  return kNames[static_cast<size_t>(status)];
+}
+
+Registration register_mesh(const RegistrationTask& task, const RegistrationOptions& options) {
+  constexpr double kOneFace = 0.8;  // of what is seen
+  const GreyImage image = grey_image(task.image, task.white, options.is_srgb, task.camera);
+  if (const Usability found = usability(task, image); found.status != RegistrationStatus::kOk) {
+    Registration out;
+    out.status = found.status;
+    out.reason = found.reason;
+    return out;
+  }
+  Fitter fitter(task.mesh, task.prior, noise_variance(image, options), options);
+  const Registration found = searched(task, image, fitter);
+  const bool is_one_face =
+      found.is_ok() && facing_share(task.mesh, found.cam_from_target) > kOneFace;
+  return is_one_face ? tried_around(found, task, image, fitter) : found;
 }
 
 }  // namespace sightline

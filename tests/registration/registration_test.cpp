@@ -10,7 +10,9 @@
 #include "pose/angles.h"
 #include "registration/grey_image.h"
 #include "registration/model_image.h"
+#include "registration/one_face.h"
 #include "registration/symmetric.h"
+#include "scenes/target/target.h"
 #include "tests/registration/scenes_for_registration.h"
 
 namespace sightline {
@@ -202,6 +204,41 @@ TEST(GreyImage, TellsItsNoise) {
   random.fill(grey, cv::RNG::NORMAL, 100, 5);
   for (int y = 0; y < 200; ++y) grey.row(y) += 0.3 * y;  // a slope is no noise
   EXPECT_NEAR(estimated_noise_sd(grey), 5, 0.15);
+}
+
+TEST(FacingShare, IsAllOfAFaceSeenFromInFrontAndNoneOfWhatIsTurned) {
+  const Mesh mesh = brick();
+  EXPECT_GT(facing_share(mesh, at(0, 0, 10)), 0.99);
+  EXPECT_GT(facing_share(mesh, at(0, 0, 10, {0.1, 0, 0})), 0.8);
+  EXPECT_EQ(facing_share(mesh, at(0, 0, 10, {0.5, 0.7, 0.2})), 0);
+}
+
+// A cube that is turned by two or three degrees from in front: one search ended 1 to 5 degrees off.
+TEST(Registration, TriesAllAboutWhereOneFaceIsSeen) {
+  for (const uint64_t draw : {85, 92, 112}) {
+    RandomStream stream(7, "head-on", draw);
+    Scene scene = brick_scene();
+    scene.target = load_target("cube");
+    scene.camera = centred_camera(512, 512, 15000);
+    scene.sensor.read_noise_grey = 3;
+    const double range_m = 60 + 40 * stream.uniform();
+    scene.cam_from_target = at(0, 0, range_m, {0, 0, 6 * stream.uniform()});
+    const double tilt_x = 0.04 * stream.normal(), tilt_y = 0.04 * stream.normal();
+    scene.cam_from_target.rotation =
+        rotation_from_vector({tilt_x, tilt_y, 0}) * scene.cam_from_target.rotation;
+    const double light_x = stream.normal(), light_y = stream.normal();
+    scene.light.to_light_in_cam = Eigen::Vector3d(light_x, light_y, -2).normalized();
+    scene.background.level = 0.05;
+    const Pose prior = draw_prior(scene.cam_from_target, scene.camera, kPrior, stream);
+    Renderer renderer;
+    const Shown seen{scene, renderer.render(scene, RandomStream(1, "sensor", draw)),
+                     prior_of(prior, scene.camera, kPrior)};
+    const Registration found = register_mesh(seen.task(), options_of(scene));
+    ASSERT_TRUE(found.is_ok()) << draw << ": " << found.reason;
+    EXPECT_LT(geodesic_angle_rad(found.cam_from_target.rotation, scene.cam_from_target.rotation),
+              kAngleDeg * kDegree)
+        << draw;
+  }
 }
 
 // The mean square of what the model leaves of the image, in its noise's variances.
