@@ -149,7 +149,7 @@ void weigh_swept_sets(const RemovalModel& s, int max_size, std::span<const doubl
 
 }  // namespace
 
-RemovalModel outlier_model(const WhitenedCorrespondences& c, const OutlierOptions& options) {
+RemovalModel removal_model(const WhitenedCorrespondences& c, const OutlierOptions& options) {
   RemovalModel s;
   s.c = &c.points;
   s.is_sigma_known = c.sigma > 0;

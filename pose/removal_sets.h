@@ -51,7 +51,7 @@ struct RemovalModel {
   int degrees(int removed) const { return 2 * n() - 6 - 2 * removed; }
 };
 
-RemovalModel outlier_model(const WhitenedCorrespondences& c, const OutlierOptions& options);
+RemovalModel removal_model(const WhitenedCorrespondences& c, const OutlierOptions& options);
 
 /// The points weighed by their information.
 PackedPoints packed(const RemovalModel& s);

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <span>
 #include <vector>
 
 #include <Eigen/Eigenvalues>
@@ -104,6 +103,11 @@ bool agree(const Registration& a, const Registration& b) {
          mahalanobis2(difference, b.covariance) < kFarthest;
 }
 
+void distrust(const std::string& reason, Registration& out) {
+  out.status = RegistrationStatus::kNotTrusted;
+  out.reason = reason;
+}
+
 // Fits from start to start until one looks like the model, or the best two agree.
 class Trials {
  public:
@@ -160,11 +164,6 @@ class Trials {
   }
 
  private:
-  static void distrust(const std::string& reason, Registration& out) {
-    out.status = RegistrationStatus::kNotTrusted;
-    out.reason = reason;
-  }
-
   // Whether edges have nothing against the fit of grey levels: they lie where it does, or support
   // it nearly as much as their own. Right fits have at least 0.97 of that, fits of print at most
   // 0.75, but where the outline is the same again, which is for the prior to tell.
@@ -244,6 +243,8 @@ Registration tried_around(const Registration& found, const RegistrationTask& tas
       task.prior.covariance.topLeftCorner<3, 3>(), Eigen::EigenvaluesOnly);
   const double turn_rad = kSds * std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
   const std::vector<FitLevel> levels = fit_levels(image, false);
+  Trials trials;
+  trials.take(found);
   std::vector<Registration> fits = {found};
   for (int i = 0; i < kStarts; ++i) {
     const double way = 2 * std::numbers::pi * i / kStarts;
@@ -251,20 +252,20 @@ Registration tried_around(const Registration& found, const RegistrationTask& tas
     start.rotation =
         rotation_from_vector(turn_rad * Eigen::Vector3d(std::cos(way), std::sin(way), 0)) *
         start.rotation;
-    const Registration fit = fitter.fit(levels, start, kTightSd);
-    if (fit.is_ok() && is_allowed_by(task.prior, fit.cam_from_target)) fits.push_back(fit);
+    fits.push_back(fitter.fit(levels, start, kTightSd));
+    if (is_allowed_by(task.prior, fits.back().cam_from_target)) trials.take(fits.back());
   }
-  Registration best = *std::ranges::min_element(fits, {}, &Registration::cost);
-  const bool has_rival = std::ranges::any_of(fits, [&](const Registration& fit) {
-    return !agree(fit, best) && fit.cost < best.cost + kAsGood;
-  });
-  if (has_rival) {
-    best.status = RegistrationStatus::kNotTrusted;
-    best.reason = "one flat face alone is seen, and other poses are as good";
-  }
+  Registration best = trials.result(task);
   best.starts = found.starts + kStarts;
-  best.drawings = found.drawings;
-  for (const Registration& fit : std::span(fits).subspan(1)) best.drawings += fit.drawings;
+  best.drawings = 0;
+  for (const Registration& fit : fits) best.drawings += fit.drawings;
+  const bool has_rival = std::ranges::any_of(fits, [&](const Registration& fit) {
+    return fit.is_ok() && is_allowed_by(task.prior, fit.cam_from_target) && !agree(fit, best) &&
+           fit.cost < best.cost + kAsGood;
+  });
+  if (best.is_ok() && has_rival) {
+    distrust("one flat face alone is seen, and other poses are as good", best);
+  }
   return best;
 }
 
@@ -288,8 +289,9 @@ Registration register_mesh(const RegistrationTask& task, const RegistrationOptio
   }
   Fitter fitter(task.mesh, task.prior, noise_variance(image, options), options);
   const Registration found = searched(task, image, fitter);
-  const bool is_one_face =
-      found.is_ok() && facing_share(task.mesh, found.cam_from_target) > kOneFace;
+  // Where faces are printed the least cost is no sign of the right pose.
+  const bool is_plain = found.is_ok() && found.lost <= kAlienLost;
+  const bool is_one_face = is_plain && facing_share(task.mesh, found.cam_from_target) > kOneFace;
   return is_one_face ? tried_around(found, task, image, fitter) : found;
 }
 

@@ -83,7 +83,7 @@ std::optional<Few> few_points(const PoseProblem& problem) {
 RemovalModel model_of(const Few& few) {
   OutlierOptions options;
   options.scale_px = few.outlier_scale() * few.image_unit_px;
-  return outlier_model(few.points, options);
+  return removal_model(few.points, options);
 }
 
 /// The sum of the squared distances of the points from the plane that is nearest to them, at least.

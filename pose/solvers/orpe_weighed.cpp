@@ -53,7 +53,7 @@ PoseEstimate solve_orpe_weighed(const PoseProblem& problem, const SolverOptions&
   const PreparedWhitened prepared = prepare_whitened(problem);
   estimate.status = prepared.status;
   if (estimate.status != PoseStatus::kOk) return estimate;
-  const RemovalModel s = outlier_model(prepared.correspondences, options.outliers);
+  const RemovalModel s = removal_model(prepared.correspondences, options.outliers);
   const Correspondences& c = *s.c;
   estimate.status = PoseStatus::kDegenerate;
 

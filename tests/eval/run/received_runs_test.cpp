@@ -24,6 +24,14 @@ using testing::HasSubstr;
 
 class ReceivedRun : public testing::Test {
  protected:
+  void make_run(const std::string& name, int trials) const {
+    const Outcome outcome =
+        run(fmt::format("study cube-outliers --quiet --trials {} --set 'solvers=[\"lspe\"]' "
+                        "--out {}/{}",
+                        trials, folder_.path().string(), name));
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+  }
+
   TemporaryFolder folder_;
 };
 
@@ -31,11 +39,7 @@ class ReceivedRun : public testing::Test {
 // than a line of what stands there.
 TEST_F(ReceivedRun, IsNamedByAMergeWhereItIsWrong) {
   const std::string path = folder_.path().string();
-  ASSERT_EQ(run(fmt::format("study cube-outliers --quiet --trials 2 --set 'solvers=[\"lspe\"]' "
-                            "--out {}/0",
-                            path))
-                .exit_code,
-            0);
+  make_run("0", 2);
   for (const char* sql :
        {"UPDATE estimates SET geodesic_deg = -1 WHERE trial = 1",
         "UPDATE estimates SET status = printf('%.*c', 5000000, 'x') WHERE trial = 1",
@@ -53,11 +57,7 @@ TEST_F(ReceivedRun, IsNamedByAMergeWhereItIsWrong) {
 // Not where the disk is full: shards are not read whole for what they are not to blame for.
 TEST_F(ReceivedRun, IsNotBlamedForTheDisk) {
   const std::string path = folder_.path().string(), store = path + "/0/results.sqlite";
-  ASSERT_EQ(run(fmt::format("study cube-outliers --quiet --trials 300 --set 'solvers=[\"lspe\"]' "
-                            "--out {}/0",
-                            path))
-                .exit_code,
-            0);
+  make_run("0", 300);
   SQLite::Database(store, SQLite::OPEN_READWRITE)
       .exec("UPDATE estimates SET geodesic_deg = -1 WHERE trial = 1");
   constexpr uintmax_t kUnitBytes = 512;  // of the shell's limit
@@ -71,11 +71,7 @@ TEST_F(ReceivedRun, IsNotBlamedForTheDisk) {
 // A folder of others may have links where figures are drawn: nothing is written through them.
 TEST_F(ReceivedRun, HasNothingWrittenThroughItsLinks) {
   const std::string path = folder_.path().string();
-  ASSERT_EQ(run(fmt::format("study cube-outliers --quiet --trials 2 --set 'solvers=[\"lspe\"]' "
-                            "--out {}/run",
-                            path))
-                .exit_code,
-            0);
+  make_run("run", 2);
   const fs::path figures = path + "/run/figures", victim = path + "/victim";
   const auto report = [&] {
     const Outcome outcome = run("report " + path + "/run");
@@ -103,11 +99,7 @@ TEST_F(ReceivedRun, HasNothingWrittenThroughItsLinks) {
 // A report shows the manifest: not any JSON of the user's that a link leads to.
 TEST_F(ReceivedRun, ShowsNoManifestThatALinkLeadsTo) {
   const std::string path = folder_.path().string();
-  ASSERT_EQ(run(fmt::format("study cube-outliers --quiet --trials 2 --set 'solvers=[\"lspe\"]' "
-                            "--out {}/run",
-                            path))
-                .exit_code,
-            0);
+  make_run("run", 2);
   const fs::path manifest = path + "/run/manifest.json";
   const auto page = [&](const fs::path& at) {
     std::ofstream(at) << R"({"token": "hunter2"})";
