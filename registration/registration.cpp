@@ -29,6 +29,9 @@ constexpr double kTightSd = 3, kLooseSd = 40;
 // agree on a wrong pose, and grey levels do not tell which is better: edges are asked.
 constexpr double kAlienClusterFactor = 5;
 constexpr double kAlienLost = 0.02;
+// By how much less the cost of a fit must be for it to be the better one.
+constexpr double kClearlyBetter = 10;
+
 bool looks_like_model(const Registration& fit) {
   return fit.is_ok() && fit.cluster_factor <= kMostClusterFactor && fit.lost <= kMostLost;
 }
@@ -113,7 +116,6 @@ class Trials {
  public:
   // Takes a fit; true when no more are needed.
   bool take(const Registration& fit) {
-    constexpr double kClearlyBetter = 10;
     ++starts_;
     drawings_ += fit.drawings;
     if (agree(fit, best_)) {
@@ -238,7 +240,6 @@ Registration tried_around(const Registration& found, const RegistrationTask& tas
                           const GreyImage& image, Fitter& fitter) {
   constexpr int kStarts = 8;
   constexpr double kSds = 1.5;
-  constexpr double kAsGood = 30;  // of the cost
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(
       task.prior.covariance.topLeftCorner<3, 3>(), Eigen::EigenvaluesOnly);
   const double turn_rad = kSds * std::sqrt(std::max(0.0, axes.eigenvalues()[2]));
@@ -261,7 +262,7 @@ Registration tried_around(const Registration& found, const RegistrationTask& tas
   for (const Registration& fit : fits) best.drawings += fit.drawings;
   const bool has_rival = std::ranges::any_of(fits, [&](const Registration& fit) {
     return fit.is_ok() && is_allowed_by(task.prior, fit.cam_from_target) && !agree(fit, best) &&
-           fit.cost < best.cost + kAsGood;
+           fit.cost < best.cost + kClearlyBetter;
   });
   if (best.is_ok() && has_rival) {
     distrust("one flat face alone is seen, and other poses are as good", best);

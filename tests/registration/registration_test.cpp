@@ -213,32 +213,45 @@ TEST(FacingShare, IsAllOfAFaceSeenFromInFrontAndNoneOfWhatIsTurned) {
   EXPECT_EQ(facing_share(mesh, at(0, 0, 10, {0.5, 0.7, 0.2})), 0);
 }
 
-// A cube that is turned by two or three degrees from in front: one search ended 1 to 5 degrees off.
+// A frame of a cube that is tilted by a few degrees from facing the camera.
+Shown shown_from_in_front(uint64_t draw) {
+  RandomStream stream(7, "head-on", draw);
+  Scene scene = brick_scene();
+  scene.target = load_target("cube");
+  scene.camera = centred_camera(512, 512, 15000);
+  scene.sensor.read_noise_grey = 3;
+  const double range_m = 60 + 40 * stream.uniform();
+  scene.cam_from_target = at(0, 0, range_m, {0, 0, 6 * stream.uniform()});
+  const double tilt_x = 0.04 * stream.normal(), tilt_y = 0.04 * stream.normal();
+  scene.cam_from_target.rotation =
+      rotation_from_vector({tilt_x, tilt_y, 0}) * scene.cam_from_target.rotation;
+  const double light_x = stream.normal(), light_y = stream.normal();
+  scene.light.to_light_in_cam = Eigen::Vector3d(light_x, light_y, -2).normalized();
+  scene.background.level = 0.05;
+  const Pose prior = draw_prior(scene.cam_from_target, scene.camera, kPrior, stream);
+  Renderer renderer;
+  return {scene, renderer.render(scene, RandomStream(1, "sensor", draw)),
+          prior_of(prior, scene.camera, kPrior)};
+}
+
+// One search alone ended 0.9 to 4.3 degrees off, and was trusted.
 TEST(Registration, TriesAllAboutWhereOneFaceIsSeen) {
-  for (const uint64_t draw : {85, 92, 112}) {
-    RandomStream stream(7, "head-on", draw);
-    Scene scene = brick_scene();
-    scene.target = load_target("cube");
-    scene.camera = centred_camera(512, 512, 15000);
-    scene.sensor.read_noise_grey = 3;
-    const double range_m = 60 + 40 * stream.uniform();
-    scene.cam_from_target = at(0, 0, range_m, {0, 0, 6 * stream.uniform()});
-    const double tilt_x = 0.04 * stream.normal(), tilt_y = 0.04 * stream.normal();
-    scene.cam_from_target.rotation =
-        rotation_from_vector({tilt_x, tilt_y, 0}) * scene.cam_from_target.rotation;
-    const double light_x = stream.normal(), light_y = stream.normal();
-    scene.light.to_light_in_cam = Eigen::Vector3d(light_x, light_y, -2).normalized();
-    scene.background.level = 0.05;
-    const Pose prior = draw_prior(scene.cam_from_target, scene.camera, kPrior, stream);
-    Renderer renderer;
-    const Shown seen{scene, renderer.render(scene, RandomStream(1, "sensor", draw)),
-                     prior_of(prior, scene.camera, kPrior)};
-    const Registration found = register_mesh(seen.task(), options_of(scene));
+  for (const uint64_t draw : {48, 100, 102, 117}) {
+    const Shown seen = shown_from_in_front(draw);
+    const Registration found = register_mesh(seen.task(), options_of(seen.scene));
     ASSERT_TRUE(found.is_ok()) << draw << ": " << found.reason;
-    EXPECT_LT(geodesic_angle_rad(found.cam_from_target.rotation, scene.cam_from_target.rotation),
-              kAngleDeg * kDegree)
+    EXPECT_LT(
+        geodesic_angle_rad(found.cam_from_target.rotation, seen.scene.cam_from_target.rotation),
+        kAngleDeg * kDegree)
         << draw;
   }
+}
+
+TEST(Registration, TrustsNoneOfTwoPosesThatAreAsGood) {
+  const Shown seen = shown_from_in_front(108);
+  const Registration found = register_mesh(seen.task(), options_of(seen.scene));
+  EXPECT_EQ(found.status, RegistrationStatus::kNotTrusted);
+  EXPECT_NE(found.reason.find("one flat face alone"), std::string::npos) << found.reason;
 }
 
 // The mean square of what the model leaves of the image, in its noise's variances.
