@@ -95,7 +95,7 @@ TEST(WrongPairs, MistakesGetOneClearLine) {
                                           {"points.scale=0", "points.scale"},
                                           {"solver.scale=two", "one"},
                                           {"solver.sigma=guess", "known"}}) {
-    const std::string error = error_of([&] { wrong_pairs_study(1, {setting}); });
+    const std::string error = error_of([s = setting] { wrong_pairs_study(1, {s}); });
     EXPECT_THAT(error, HasSubstr(reason)) << setting;
     EXPECT_THAT(error, Not(HasSubstr("\n"))) << setting;
   }
