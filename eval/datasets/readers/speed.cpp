@@ -4,7 +4,6 @@
 // Sightings in the format of SPEED+ and SPEED (speed/layout.h).
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <optional>
 #include <set>
 #include <span>
@@ -21,6 +20,7 @@
 #include "eval/output/json.h"
 #include "scenes/camera/lens_numbers.h"
 #include "scenes/files/input_error.h"
+#include "scenes/files/input_file.h"
 
 namespace sightline {
 namespace {
@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 std::vector<fs::path> lists_in(const fs::path& folder, std::span<const std::string_view> names) {
   std::vector<fs::path> lists;
   for (const std::string_view name : names) {
-    fs::path list = folder / fmt::format("{}.json", name);
+    fs::path list = plain_or_packed(folder / fmt::format("{}.json", name));
     if (fs::is_regular_file(list)) lists.push_back(std::move(list));
   }
   return lists;
@@ -40,8 +40,11 @@ std::vector<fs::path> lists_in(const fs::path& folder, std::span<const std::stri
 bool seems_list(const fs::path& file) {
   constexpr std::streamsize kBeginning = 4096;
   std::string text(kBeginning, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(text.data(), kBeginning);
+  try {
+    open_input_file(file, kMostInputBytes)->read(text.data(), kBeginning);
+  } catch (const InputError&) {
+    return false;  // whatever it is, it is no list that can be read
+  }
   return text.find(speed::kAttitudeOfSpeed) != std::string::npos;
 }
 
@@ -58,10 +61,11 @@ std::set<std::string> all_lists(const fs::path& folder) {
     if (entry.depth() > 0 || entry->path().filename() == speed::kImagesFolder) {
       entry.disable_recursion_pending();
     }
-    if (!entry->is_regular_file(error) || entry->path().extension() != ".json") continue;
+    const fs::path unpacked = unpacked_name(entry->path());
+    if (!entry->is_regular_file(error) || unpacked.extension() != ".json") continue;
     ++looked_into;
     if (!seems_list(entry->path())) continue;
-    lists.insert(entry->path().lexically_relative(folder).replace_extension("").string());
+    lists.insert(unpacked.lexically_relative(folder).replace_extension("").string());
   }
   return lists;
 }
@@ -83,8 +87,8 @@ fs::path list_of(const SightingSource& source) {
   const auto lists = lists_in(source.folder, speed::kLists);
   if (lists.size() == 1) return lists.front();
   std::set<std::string> all = all_lists(source.folder);
-  for (const fs::path& known : lists) all.insert(known.stem().string());
-  if (all.size() == 1) return source.folder / (*all.begin() + ".json");
+  for (const fs::path& known : lists) all.insert(unpacked_name(known).stem().string());
+  if (all.size() == 1) return plain_or_packed(source.folder / (*all.begin() + ".json"));
   throw InputError(fmt::format("{}: has {}.json; say --split which one is meant", folder,
                                fmt::join(all, ".json and ")));
 }
@@ -93,7 +97,8 @@ fs::path list_of(const SightingSource& source) {
 fs::path camera_file(const fs::path& list) {
   const fs::path folder = fs::absolute(list).parent_path();
   for (const fs::path& place : {folder, folder.parent_path()}) {
-    if (fs::exists(place / speed::kCameraFile)) return place / speed::kCameraFile;
+    fs::path file = plain_or_packed(place / speed::kCameraFile);
+    if (fs::exists(file)) return file;
   }
   throw InputError(fmt::format("{}: is missing", (folder / speed::kCameraFile).string()));
 }
@@ -160,7 +165,7 @@ fs::path picture_file(const fs::path& list, const std::string& name) {
     throw InputError(fmt::format("names {}, which must lie within the set", name));
   }
   const fs::path images = list.parent_path() / speed::kImagesFolder;
-  const fs::path beside = images / list.stem() / name;
+  const fs::path beside = images / unpacked_name(list).stem() / name;
   return fs::is_regular_file(images / name) || !fs::is_regular_file(beside) ? images / name
                                                                             : beside;
 }

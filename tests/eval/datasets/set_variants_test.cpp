@@ -17,7 +17,6 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <zlib.h>
 
 #include "eval/datasets/bop/read.h"
 #include "eval/datasets/model_file.h"
@@ -27,6 +26,7 @@
 #include "scenes/mesh/diameter.h"
 #include "scenes/picture/picture_file.h"
 #include "tests/eval/cube_of_100_mm.h"
+#include "tests/scenes/packed_file.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -38,12 +38,6 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr uint32_t kPlain = 0;  // the seed of the set as its documentation has it
-
-void write_packed(const fs::path& file, const std::string& bytes) {
-  const gzFile stream = gzopen((file.string() + ".gz").c_str(), "wb");
-  gzwrite(stream, bytes.data(), static_cast<unsigned>(bytes.size()));
-  gzclose(stream);
-}
 
 // What one seed makes of each way to write; the plain set is the first of all of them.
 class Ways {
@@ -106,7 +100,7 @@ class VariedSet {
     fs::create_directories((set() / name).parent_path());
     files_.push_back(set() / name);
     if (may_be_packed && ways_.other()) {
-      write_packed(set() / name, bytes);
+      write_packed((set() / name).string() + ".gz", bytes);
       files_.back() += ".gz";
       return;
     }
@@ -285,7 +279,7 @@ class VariedSet {
     }
     results_ = folder_ / ways_.one_of(std::array<std::string, 2>{"r.csv", "R.CSV"});
     if (ways_.other()) {
-      write_packed(results_, text);
+      write_packed(results_.string() + ".gz", text);
       results_ += ".gz";
     } else {
       std::ofstream(results_, std::ios::binary) << text;

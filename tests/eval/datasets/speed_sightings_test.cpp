@@ -14,9 +14,11 @@
 #include <opencv2/core.hpp>
 
 #include "eval/datasets/sightings.h"
+#include "scenes/files/input_file.h"
 #include "scenes/picture/picture_file.h"
 #include "scenes/target/target.h"
 #include "tests/scenes/error_text.h"
+#include "tests/scenes/packed_file.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -152,6 +154,31 @@ TEST_F(ForeignSpeed, HasListsOfAnyNameWhichAreOffered) {
 }
 
 // Scalar last, most of these turn the camera's view away: of three poses one stays in the image.
+TEST_F(ForeignSpeed, IsReadWhereGzipPackedIt) {
+  fs::create_directories(folder_.path() / "synthetic/images/train");
+  fs::rename(folder_.path() / "synthetic/images/img1.jpg",
+             folder_.path() / "synthetic/images/train/img1.jpg");
+  for (const char* name : {"camera.json", "synthetic/train.json"}) {
+    const fs::path file = folder_.path() / name;
+    write_packed(file.string() + ".gz", read_input_file(file, kMostInputBytes));
+    fs::remove(file);
+  }
+  for (const char* split : {"", "train"}) {
+    const auto sightings = read_sightings(source("synthetic", split), cube_).sightings;
+    ASSERT_EQ(sightings.size(), 1u);
+    EXPECT_EQ(sightings[0].camera.fy_px, 915);
+    EXPECT_EQ(sightings[0].image, "images/train/img1.jpg");
+    EXPECT_EQ(sightings[0].cam_from_target.translation.z(), 10);
+  }
+  // A list of any name is found by how it begins; what only looks packed is none.
+  fs::rename(folder_.path() / "synthetic/train.json.gz", folder_.path() / "synthetic/mine.json.gz");
+  fs::rename(folder_.path() / "synthetic/images/train", folder_.path() / "synthetic/images/mine");
+  EXPECT_EQ(read_sightings(source("synthetic", ""), cube_).sightings.size(), 1u);
+  EXPECT_EQ(read_sightings(source("", "synthetic/mine"), cube_).sightings.size(), 1u);
+  folder_.write("synthetic/torn.json.gz", "\x1f\x8b q_vbs2tango");
+  EXPECT_EQ(read_sightings(source("synthetic", ""), cube_).sightings.size(), 1u);
+}
+
 TEST_F(ForeignSpeed, GetsAHintWhereMostPosesAreOutOfTheImage) {
   const auto notes = [this](const std::string& aside) {
     folder_.write("synthetic/train.json",

@@ -8,10 +8,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <zlib.h>
 
 #include "scenes/files/pauses.h"
 #include "tests/scenes/error_text.h"
+#include "tests/scenes/packed_file.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -22,21 +22,14 @@ using testing::HasSubstr;
 
 constexpr uintmax_t kMiB = uintmax_t{1} << 20;
 
-fs::path packed(const fs::path& file, const std::string& text) {
-  const gzFile stream = gzopen(file.c_str(), "wb");
-  gzwrite(stream, text.data(), static_cast<unsigned>(text.size()));
-  gzclose(stream);
-  return file;
-}
-
 TEST(InputFiles, ThatGzipPackedAreReadAsTheOthersWhateverTheirNames) {
   const TemporaryFolder folder;
   std::string text = "one\n";
   for (int i = 0; i < 100'000; ++i) text += std::to_string(i) + "\n";  // more than a block
   EXPECT_EQ(read_input_file(folder.write("plain.txt", text), kMiB), text);
-  EXPECT_EQ(read_input_file(packed(folder.path() / "a.gz", text), kMiB), text);
-  EXPECT_EQ(read_input_file(packed(folder.path() / "b.txt", text), kMiB), text);
-  EXPECT_EQ(read_input_file(packed(folder.path() / "none.gz", ""), kMiB), "");
+  EXPECT_EQ(read_input_file(write_packed(folder.path() / "a.gz", text), kMiB), text);
+  EXPECT_EQ(read_input_file(write_packed(folder.path() / "b.txt", text), kMiB), text);
+  EXPECT_EQ(read_input_file(write_packed(folder.path() / "none.gz", ""), kMiB), "");
   EXPECT_EQ(read_input_file(folder.write("empty.gz", ""), kMiB), "");
   EXPECT_EQ(read_input_file(folder.write("plain.gz", text), kMiB), text);  // a name is no proof
   std::string line;
@@ -47,7 +40,7 @@ TEST(InputFiles, ThatGzipPackedAreReadAsTheOthersWhateverTheirNames) {
 // A thousandth of what it unpacks to.
 TEST(InputFiles, AreBoundedByWhatTheyUnpackTo) {
   const TemporaryFolder folder;
-  const fs::path bomb = packed(folder.path() / "bomb.gz", std::string(3 * kMiB, ' '));
+  const fs::path bomb = write_packed(folder.path() / "bomb.gz", std::string(3 * kMiB, ' '));
   ASSERT_LT(fs::file_size(bomb), kMiB / 100);
   EXPECT_EQ(read_input_file(bomb, 3 * kMiB).size(), 3 * kMiB);
   EXPECT_THAT(error_of([&] { read_input_file(bomb, 2 * kMiB); }),
@@ -63,7 +56,7 @@ TEST(InputFiles, AreBoundedByWhatTheyUnpackTo) {
 // Blanks pack to a thousandth, as numbers and names never do.
 TEST(InputFiles, ThatUnpackToAHundredTimesTheirSizeAreRefused) {
   const TemporaryFolder folder;
-  const fs::path bomb = packed(folder.path() / "bomb.gz", std::string(20 * kMiB, ' '));
+  const fs::path bomb = write_packed(folder.path() / "bomb.gz", std::string(20 * kMiB, ' '));
   EXPECT_THAT(error_of([&] { read_input_file(bomb, 100 * kMiB); }),
               HasSubstr("bomb.gz: unpacks to more than 100 times its size"));
 }
@@ -71,7 +64,7 @@ TEST(InputFiles, ThatUnpackToAHundredTimesTheirSizeAreRefused) {
 TEST(InputFiles, ThatArePackedAndDamagedAreSaid) {
   const TemporaryFolder folder;
   const std::string whole =
-      read_whole(packed(folder.path() / "a.gz", std::string(5000, 'a') + "b"));
+      read_whole(write_packed(folder.path() / "a.gz", std::string(5000, 'a') + "b"));
   const auto error = [&](const std::string& bytes) {
     const fs::path file = folder.write("damaged.gz", bytes);
     return error_of([&] { read_input_file(file, kMiB); });
@@ -89,7 +82,7 @@ TEST(InputFiles, ThatArePackedAndDamagedAreSaid) {
 // A file of a set is the one that was written, or not: what gzip packed is another.
 TEST(InputFiles, AsTheyStandAreNeverUnpacked) {
   const TemporaryFolder folder;
-  const fs::path file = packed(folder.path() / "a.gz", "text");
+  const fs::path file = write_packed(folder.path() / "a.gz", "text");
   EXPECT_EQ(bytes_of_file(file, kMiB), read_whole(file));
   EXPECT_EQ(bytes_of_file(folder.write("empty", ""), kMiB), "");
   EXPECT_EQ(bytes_of_file(folder.write("four", "1234"), 4), "1234");
@@ -116,7 +109,7 @@ TEST(InputFiles, AreFoundByTheNameBeforeTheyWerePacked) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "a.json";
   EXPECT_EQ(plain_or_packed(file), file);  // where neither is there
-  packed(folder.path() / "a.json.gz", "{}");
+  write_packed(folder.path() / "a.json.gz", "{}");
   EXPECT_EQ(plain_or_packed(file), folder.path() / "a.json.gz");
   folder.write("a.json", "[]");
   EXPECT_EQ(plain_or_packed(file), file);
