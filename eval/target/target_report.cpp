@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "eval/output/json.h"
+#include "eval/output/numbers.h"
 #include "eval/output/output_folder.h"
 #include "eval/target/silhouette.h"
 #include "eval/target/target_proposal.h"
@@ -31,8 +32,8 @@ constexpr int kPictureHeight = 640;
 
 std::string closedness(const MeshInspection& mesh) {
   if (mesh.closed_components == mesh.components) return "closed";
-  return fmt::format("open: {} of {} pieces are closed, {} open edges", mesh.closed_components,
-                     mesh.components, mesh.open_edges);
+  return fmt::format("open: {} of {} closed, {}", mesh.closed_components,
+                     counted(mesh.components, "piece"), counted(mesh.open_edges, "open edge"));
 }
 
 std::string orientation(const MeshInspection& mesh) {
@@ -59,10 +60,11 @@ std::string mesh_text(const Target& target, const MeshInspection& mesh) {
   std::string out;
   out += fmt::format("size       {:.3f} x {:.3f} x {:.3f} m (x, y, z), radius {:.3f} m\n", size.x(),
                      size.y(), size.z(), mesh.radius_m);
-  out += fmt::format("mesh       {} triangles, {} vertices, {} pieces, {} parts\n", mesh.triangles,
-                     mesh.vertices, mesh.components, mesh.parts.size());
-  out += fmt::format("surface    {}; {} edges shared by three faces or more\n", closedness(mesh),
-                     mesh.non_manifold_edges);
+  out += fmt::format("mesh       {}, {} vertices, {}, {}\n", counted(mesh.triangles, "triangle"),
+                     mesh.vertices, counted(mesh.components, "piece"),
+                     counted(static_cast<int64_t>(mesh.parts.size()), "part"));
+  out += fmt::format("surface    {}; {} shared by three faces or more\n", closedness(mesh),
+                     counted(mesh.non_manifold_edges, "edge"));
   out += fmt::format("normals    {}\n", orientation(mesh));
   out += fmt::format("sharp      {} edges turn by {} deg or more, {:.1f} m in all\n",
                      mesh.sharp_edges, kSharpAngleDeg, mesh.sharp_length_m);
