@@ -162,12 +162,22 @@ Solution Fitter::solve_sharp() {
   return solution;
 }
 
-bool Fitter::fit_sharp(const FitLevel& level, Registration& out) {
+// Samples of a pixel of the model at a step of the sharp level. What they miss of the coverage, blur
+// spreads over several pixels; where it hardly does, as much is missed as noise makes, and alike all
+// along an edge, so that the covariance would not know.
+int Fitter::sharp_samples(const FitLevel& level, int step) const {
   constexpr int kFirstSamples = 4;  // the first step is never the last
+  constexpr int kSamplesUnblurred = 64;
+  constexpr double kSmallBlurVariance = 0.3;  // px^2
+  if (step == 0) return kFirstSamples;
+  return state_.blur_variance_px2 < kSmallBlurVariance ? kSamplesUnblurred : level.samples;
+}
+
+bool Fitter::fit_sharp(const FitLevel& level, Registration& out) {
   BasisDrawer drawer(mesh_, level.image.camera);
   learning_ = new_learning(level.image.grey.size(), noise_variance_);
   for (int i = 0; i < level.most_steps; ++i) {
-    if (!linearise(level, i == 0 ? kFirstSamples : level.samples, drawer)) return false;
+    if (!linearise(level, sharp_samples(level, i), drawer)) return false;
     const Solution solution = solve_sharp();
     const double moved_px = apply(solution.change, true) * level.image.camera.fx_px;
     const bool is_last = i + 1 == level.most_steps || (i > 0 && moved_px < kSmallStepPx);

@@ -47,6 +47,7 @@ class Fitter {
 
  private:
   bool linearise(const FitLevel& level, int samples, BasisDrawer& drawer);
+  int sharp_samples(const FitLevel& level, int step) const;
   bool fit_blurred(const FitLevel& level, double deviation_sd);
   bool fit_sharp(const FitLevel& level, Registration& out);
   Solution solve_sharp();
