@@ -7,13 +7,15 @@
 // render/rgb/<samples>: a sphere (13 000 triangles) with a texture of 2048 x 2048 px in colour;
 // render/rgb_grey/<samples>: the same in grey without the texture.
 // render/osmesa/<samples>: the airliner with OpenGL in software in place of our rasteriser.
-// render/embree/<samples>: the same by rays of Embree, in packets of 16, through the same samples.
+// render/embree/<samples>: the same by rays of Embree, in packets of 16, through the same samples;
+// render/embree_rgb/<samples>: so the textured sphere, with a bilinear texel a sample.
 #include <array>
 #include <cmath>
 #include <fstream>
 #include <memory>
 #include <numbers>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -234,9 +236,10 @@ class EmbreeBody {
     return rays;
   }
 
-  // As ours: the interpolated normal, lit like paper from either side.
-  float grey(const RTCRayHit16& rays, int i, const Light& light,
-             const Eigen::Vector3f& to_light) const {
+  // The light on what ray i hits. As ours: the interpolated normal, lit like paper from either
+  // side.
+  float light_on(const RTCRayHit16& rays, int i, const Light& light,
+                 const Eigen::Vector3f& to_light) const {
     const Triangle& triangle = mesh_.triangles[rays.hit.primID[i]];
     const float u = rays.hit.u[i], v = rays.hit.v[i];
     Eigen::Vector3f normal = (1 - u - v) * triangle.normal[0].cast<float>() +
@@ -246,14 +249,56 @@ class EmbreeBody {
     const Eigen::Vector3f ray(rays.ray.dir_x[i], rays.ray.dir_y[i], rays.ray.dir_z[i]);
     if (facing.dot(ray) > 0) normal = -normal;
     const float cosine = std::max(0.0f, normal.normalized().dot(to_light));
-    return static_cast<float>(mesh_.parts[triangle.part].albedo *
-                              (light.ambient + light.directional * cosine));
+    return static_cast<float>(light.ambient + light.directional * cosine);
+  }
+
+  float albedo(const RTCRayHit16& rays, int i) const {
+    return static_cast<float>(mesh_.parts[mesh_.triangles[rays.hit.primID[i]].part].albedo);
+  }
+
+  Eigen::Vector2f uv(const RTCRayHit16& rays, int i) const {
+    const Coat& coat = mesh_.coats[rays.hit.primID[i]];
+    const float u = rays.hit.u[i], v = rays.hit.v[i];
+    return (1 - u - v) * coat.uv[0] + u * coat.uv[1] + v * coat.uv[2];
   }
 
  private:
   const Mesh& mesh_;
   RTCDevice device_;
   RTCScene scene_;
+};
+
+// A texture that repeats, as rays look it up: bilinear, in linear blue, green and red.
+class BilinearTexture {
+ public:
+  explicit BilinearTexture(const Texture& texture) : texture_(texture) {
+    for (size_t i = 0; i < linear_.size(); ++i) {
+      const double encoded = static_cast<double>(i) / 255;
+      linear_[i] = static_cast<float>(
+          encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
+    }
+  }
+
+  cv::Vec3f at(const Eigen::Vector2f& uv) const {
+    const float x = uv.x() * static_cast<float>(texture_.width) - 0.5F;
+    const float y = uv.y() * static_cast<float>(texture_.height) - 0.5F;
+    const float left = std::floor(x), top = std::floor(y);
+    const float s = x - left, t = y - top;
+    const int column = static_cast<int>(left), row = static_cast<int>(top);
+    return (1 - t) * (1 - s) * texel(column, row) + (1 - t) * s * texel(column + 1, row) +
+           t * (1 - s) * texel(column, row + 1) + t * s * texel(column + 1, row + 1);
+  }
+
+ private:
+  cv::Vec3f texel(int column, int row) const {
+    // Sides that are powers of two.
+    const int x = column & (texture_.width - 1), y = row & (texture_.height - 1);
+    const uint8_t* const rgba = &texture_.rgba[4 * (static_cast<size_t>(y) * texture_.width + x)];
+    return {linear_[rgba[2]], linear_[rgba[1]], linear_[rgba[0]]};
+  }
+
+  const Texture& texture_;
+  std::array<float, 256> linear_{};
 };
 
 // The pixels that the target can touch.
@@ -272,15 +317,19 @@ struct EmbreeFrame {
   cv::Mat image, depth_m, body_ids;
 };
 
-EmbreeFrame draw_with_embree(EmbreeBody& body, const Scene& scene) {
+// `shade` gives what ray i of some sees, given the light on it: a grey level or three colours.
+template <typename Shade>
+EmbreeFrame draw_with_embree(EmbreeBody& body, const Scene& scene, const Shade& shade) {
+  using Value = std::invoke_result_t<Shade, const RTCRayHit16&, int, float>;
+  constexpr int kChannels = Value::channels;
   const cv::Size size(scene.camera.width_px, scene.camera.height_px);
-  cv::Mat linear(size, CV_32F, cv::Scalar(scene.background.level));
+  cv::Mat linear(size, CV_32FC(kChannels), cv::Scalar::all(scene.background.level));
   EmbreeFrame frame{{}, cv::Mat::zeros(size, CV_64F), cv::Mat::zeros(size, CV_8U)};
   const SamplePattern& pattern = sample_pattern(scene.samples_per_pixel);
   const Eigen::Matrix3f turn = scene.cam_from_target.rotation.transpose().cast<float>();
   const Eigen::Vector3f eye = inverse(scene.cam_from_target).translation.cast<float>();
   const Eigen::Vector3f to_light = turn * scene.light.to_light_in_cam.cast<float>();
-  const auto background = static_cast<float>(scene.background.level);
+  const Value background = Value::all(static_cast<float>(scene.background.level));
   const auto direction = [&](double x, double y) -> Eigen::Vector3f {
     return turn * Eigen::Vector3d((x - scene.camera.cx_px) / scene.camera.fx_px,
                                   (y - scene.camera.cy_px) / scene.camera.fy_px, 1)
@@ -291,14 +340,15 @@ EmbreeFrame draw_with_embree(EmbreeBody& body, const Scene& scene) {
   std::vector<int> columns;
   for (int y = box.y; y < box.br().y; ++y) {
     // A row's samples in order, by sixteen: whole pixels, parts of one or several.
-    std::vector<float> sums(box.width, 0);
+    std::vector<Value> sums(box.width);
     const auto flush = [&] {
       if (directions.empty()) return;
       const RTCRayHit16 rays = body.cast(eye, directions);
       for (size_t i = 0; i < directions.size(); ++i) {
+        const int ray = static_cast<int>(i);
         const bool is_hit = rays.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
         sums[columns[i]] +=
-            is_hit ? body.grey(rays, static_cast<int>(i), scene.light, to_light) : background;
+            is_hit ? shade(rays, ray, body.light_on(rays, ray, scene.light, to_light)) : background;
       }
       directions.clear();
       columns.clear();
@@ -312,7 +362,7 @@ EmbreeFrame draw_with_embree(EmbreeBody& body, const Scene& scene) {
     }
     flush();
     for (int x = 0; x < box.width; ++x) {
-      linear.at<float>(y, box.x + x) = sums[x] / static_cast<float>(pattern.count);
+      linear.at<Value>(y, box.x + x) = sums[x] * (1.0F / static_cast<float>(pattern.count));
     }
     // Depth and ids through the pixels' centres.
     for (int x = 0; x < box.width; x += 16) {
@@ -332,24 +382,47 @@ EmbreeFrame draw_with_embree(EmbreeBody& body, const Scene& scene) {
   return frame;
 }
 
-void run_embree(benchmark::State& state, int samples_per_pixel) {
-  Scene scene = scene_of(samples_per_pixel);
-  EmbreeBody body(scene.target->mesh);
+// `draw` draws the scene with Embree.
+template <typename Draw>
+void run_embree(benchmark::State& state, Scene scene, const Draw& draw) {
   double encode_ms = 0;
   int64_t frame = 0;
   for (auto _ : state) {
     turn(scene, frame++);
-    const EmbreeFrame drawn = draw_with_embree(body, scene);
+    const EmbreeFrame drawn = draw(scene);
     const int64_t begin = cv::getTickCount();
     benchmark::DoNotOptimize(encode(drawn.image, drawn.depth_m, drawn.body_ids));
     encode_ms += milliseconds_since(begin);
   }
   // The peer must draw the same picture, or the comparison means nothing.
   turn(scene, 0);
-  const cv::Mat ours = Renderer().render(scene, RandomStream(1, "sensor", 0)).image;
+  const Frame ours = Renderer().render(scene, RandomStream(1, "sensor", 0));
+  const cv::Mat& picture = ours.colour.empty() ? ours.image : ours.colour;
   state.counters["differs_grey"] =
-      cv::norm(ours, draw_with_embree(body, scene).image, cv::NORM_L1) / (512.0 * 512.0);
+      cv::norm(picture, draw(scene).image, cv::NORM_L1) / (512.0 * 512.0 * picture.channels());
   state.counters["encode_ms"] = per_frame(encode_ms);
+}
+
+void run_embree_grey(benchmark::State& state, int samples_per_pixel) {
+  const Scene scene = scene_of(samples_per_pixel);
+  EmbreeBody body(scene.target->mesh);
+  const auto shade = [&body](const RTCRayHit16& rays, int i, float light) {
+    return cv::Vec<float, 1>(body.albedo(rays, i) * light);
+  };
+  run_embree(state, scene,
+             [&](const Scene& turned) { return draw_with_embree(body, turned, shade); });
+}
+
+void run_embree_rgb(benchmark::State& state, int samples_per_pixel) {
+  const Scene scene = textured_scene(samples_per_pixel, true);
+  const Mesh& mesh = scene.target->mesh;
+  EmbreeBody body(mesh);
+  const BilinearTexture texture(*mesh.textures.front());
+  const auto shade = [&](const RTCRayHit16& rays, int i, float light) {
+    return texture.at(body.uv(rays, i)) * light;
+  };
+  run_embree(state, scene,
+             [&](const Scene& turned) { return draw_with_embree(body, turned, shade); });
 }
 
 }  // namespace
@@ -373,7 +446,9 @@ PeerComparison register_render() {
       run_ours(state, scene_of(samples), GlChoice::kOsMesa);
     });
     add("render/embree/" + size,
-        [samples](benchmark::State& state) { run_embree(state, samples); });
+        [samples](benchmark::State& state) { run_embree_grey(state, samples); });
+    add("render/embree_rgb/" + size,
+        [samples](benchmark::State& state) { run_embree_rgb(state, samples); });
   }
   return {"render", "", {"osmesa", "embree"}};
 }
