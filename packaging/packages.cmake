@@ -91,11 +91,15 @@ python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_minor})")
 The module sightline: poses from points, absolute orientation, rendered frames
 as arrays without copies, studies with extractors and solvers written in
 Python, results as columns.")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/prerm)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 endif()
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME sightline)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+# Else it would stand before each package's own.
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
 set(CPACK_PACKAGE_CONTACT ${contact})
 set(CPACK_DEBIAN_PACKAGE_RELEASE ${revision})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
