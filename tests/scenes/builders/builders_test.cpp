@@ -297,6 +297,7 @@ TEST(Tango, ItsMaterialsSurviveTheFile) {
     const Part& part = read->mesh.parts[i];
     ASSERT_TRUE(part.material && built.material) << built.name;
     EXPECT_EQ(part.material->base, built.material->base) << built.name;
+    EXPECT_TRUE(part.material->has_gloss) << built.name;
     EXPECT_EQ(part.material->metallic, built.material->metallic) << built.name;
     EXPECT_EQ(part.material->roughness, built.material->roughness) << built.name;
     metallic.insert(part.material->metallic);
