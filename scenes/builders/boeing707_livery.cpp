@@ -295,8 +295,9 @@ Ink wing_ink(const Boeing707& d, bool is_upper, bool has_word, const Eigen::Vect
     const double in_tank = std::max(2.4 - out_m, out_m - 20.4);
     texel.shade(std::max(in_tank, box_distance(lid, {-0.2, -0.12}, {0.2, 0.12})), 0.72);
   }
-  if (has_word) {
-    texel.cover(word_distance(at_m, kRegistration, {11.2, 2.75}, 1.3), kBlue);
+  if (has_word) {  // below between the engines
+    const Eigen::Vector2d base = is_upper ? Eigen::Vector2d(11.2, 2.75) : Eigen::Vector2d(9.9, 2.6);
+    texel.cover(word_distance(at_m, kRegistration, base, is_upper ? 1.3 : 0.95), kBlue);
   }
   return texel.ink();
 }
