@@ -44,7 +44,7 @@ def sightline(program, *arguments):
 def target_picture(program, name, folder):
     """A picture without noise, shrunk."""
     sightline(program, "target", name, "--picture", str(folder / "target.png"))
-    image = cv2.imread(str(folder / "target.png"), cv2.IMREAD_GRAYSCALE)
+    image = cv2.imread(str(folder / "target.png"), cv2.IMREAD_UNCHANGED)
     cv2.imwrite(str(HERE / f"{name}.jpg"), cv2.resize(image, TARGET_PX, interpolation=cv2.INTER_AREA), QUALITY)
 
 
