@@ -53,7 +53,7 @@ def frames(program, name, folder):
     out = folder / name
     done = subprocess.run([program, "render", name, "--count", str(FRAMES[-1] + 1), "--out", str(out), "--quiet"],
                           capture_output=True, text=True)
-    if "needs a study of rendered images" in done.stderr:
+    if "renders nothing" in done.stderr:
         return None
     if done.returncode != 0:
         sys.exit(f"sightline render {name}: {done.stderr}")

@@ -464,7 +464,7 @@ Material material_of(const Part& part) {
 BuiltTarget build_boeing707_livery_target(const Boeing707& dimensions) {
   BuiltTarget target = build_boeing707_target(dimensions);
   target.name = "boeing707_livery";
-  target.description = "the target boeing707 in a painted livery: same shape and features";
+  target.description = "The Boeing 707 in a livery of our own as a texture: same shape, parts and features as boeing707";
   Mesh& mesh = target.mesh;
   const Wrapping wrapping(dimensions, mesh);
   for (const Triangle& triangle : mesh.triangles) mesh.coats.push_back(wrapping.coat(triangle));
