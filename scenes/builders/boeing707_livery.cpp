@@ -7,10 +7,11 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include <Eigen/Geometry>
 
 #include "scenes/builders/boeing707_fuselage.h"
 #include "scenes/builders/painting.h"
@@ -118,7 +119,7 @@ Ink tail_ink(double texel_m, double station_m, double height_m) {
 class SidePaint {
  public:
   SidePaint(const Boeing707& d, const Chart& chart, bool is_port)
-      : chart_(chart), length_m_(d.length_m), is_port_(is_port) {
+      : chart_(chart), is_port_(is_port) {
     const int columns = static_cast<int>(chart.size_m.x() * chart.px_per_m) + 2 * kPadding + 2;
     for (int i = 0; i < columns; ++i) {
       const double station_m = chart.corner_m.x() + (i - kPadding) / chart.px_per_m;
@@ -192,7 +193,6 @@ class SidePaint {
   }
 
   Chart chart_;
-  double length_m_;
   bool is_port_;
   double crown_m_;
   CheatLine cheat_;
@@ -370,15 +370,9 @@ std::shared_ptr<const Texture> livery_texture(const Boeing707& d) {
 class Wrapping {
  public:
   Wrapping(const Boeing707& d, const Mesh& mesh) : d_(d), mesh_(mesh) {
-    lips_m_.assign(mesh.parts.size(), {-1e9, 1e9, -1e9});
+    boxes_.resize(mesh.parts.size());
     for (const Triangle& triangle : mesh.triangles) {
-      auto& [lip_m, top_m, bottom_m] = lips_m_[triangle.part];
-      for (const int v : triangle.vertex) {
-        const Eigen::Vector3d& p = mesh.vertices[v];
-        lip_m = std::max(lip_m, p.x());
-        top_m = std::min(top_m, p.z());
-        bottom_m = std::max(bottom_m, p.z());
-      }
+      for (const int v : triangle.vertex) boxes_[triangle.part].extend(mesh.vertices[v]);
     }
   }
 
@@ -421,10 +415,8 @@ class Wrapping {
     switch (chart) {
       case kTailplane:
         return {out_m, d_.tailplane_leading_edge(out_m).x() - p.x()};
-      case kNacelle: {
-        const auto& [lip_m, top_m, bottom_m] = lips_m_[part];
-        return {lip_m - p.x(), p.z() - (top_m + bottom_m) / 2};
-      }
+      case kNacelle:
+        return {boxes_[part].max().x() - p.x(), p.z() - boxes_[part].center().z()};
       case kPortSide:
       case kStarboardSide:
       case kFinSide:
@@ -436,8 +428,7 @@ class Wrapping {
 
   const Boeing707& d_;
   const Mesh& mesh_;
-  std::vector<std::array<double, 3>> lips_m_;  // of each part: its foremost x, its least and
-                                               // greatest z
+  std::vector<Eigen::AlignedBox3d> boxes_;  // of the parts
 };
 
 // Semi-gloss paint, bare metal and glass; the luminance of each is the albedo of the plain part.
@@ -464,7 +455,9 @@ Material material_of(const Part& part) {
 BuiltTarget build_boeing707_livery_target(const Boeing707& dimensions) {
   BuiltTarget target = build_boeing707_target(dimensions);
   target.name = "boeing707_livery";
-  target.description = "The Boeing 707 in a livery of our own as a texture: same shape, parts and features as boeing707";
+  target.description =
+      "The Boeing 707 in a livery of our own as a texture: same shape, parts and features as "
+      "boeing707";
   Mesh& mesh = target.mesh;
   const Wrapping wrapping(dimensions, mesh);
   for (const Triangle& triangle : mesh.triangles) mesh.coats.push_back(wrapping.coat(triangle));
