@@ -133,6 +133,8 @@ float ColourResolver::anchor(const Group& group, const SurfacePlane& plane, cons
   const double per_weight = 1 / weights.dot(ray);
   const Eigen::RowVector2d weight_by = weights.head<2>() * per_weight * per_pixel_;
   painted_.count = group.count;
+  painted_.x = x_.data();
+  painted_.y = y_.data();
   painted_.weight_by_x = static_cast<float>(weight_by.x());
   painted_.weight_by_y = static_cast<float>(weight_by.y());
   const auto carried = [&](const Eigen::RowVector3d& value) -> Carried {
@@ -188,8 +190,6 @@ void ColourResolver::look_at_textures(const Paint& paint, float level, bool has_
                                        sample_level + paint.emissive_shift);
     painted_.emission = &emission_;
   }
-  painted_.x = x_.data();
-  painted_.y = y_.data();
   Eigen::Map<Eigen::Array4f>(painted_.emitted) = paint.emitted;
   painted_.of_base = of_base_.data();
   painted_.own = own_.data();

@@ -43,7 +43,7 @@ if(PYTHON)
   run(${CMAKE_COMMAND} -E env PYTHONPATH=${WORK}/installed/${PYTHON_FOLDER} ${PYTHON} -B -c
       "import sightline as sl, numpy as np
 print(*sl.targets(), sl.align(np.eye(3), np.eye(3)).status)")
-  if(NOT output STREQUAL "boeing707 tango ok\n")
+  if(NOT output STREQUAL "boeing707 boeing707_livery tango ok\n")
     message(FATAL_ERROR "the installed Python module does not know the installed targets:\n${output}")
   endif()
 endif()

@@ -44,7 +44,7 @@ def sightline(program, *arguments):
 def target_picture(program, name, folder):
     """A picture without noise, shrunk."""
     sightline(program, "target", name, "--picture", str(folder / "target.png"))
-    image = cv2.imread(str(folder / "target.png"), cv2.IMREAD_GRAYSCALE)
+    image = cv2.imread(str(folder / "target.png"), cv2.IMREAD_UNCHANGED)
     cv2.imwrite(str(HERE / f"{name}.jpg"), cv2.resize(image, TARGET_PX, interpolation=cv2.INTER_AREA), QUALITY)
 
 
@@ -53,7 +53,7 @@ def frames(program, name, folder):
     out = folder / name
     done = subprocess.run([program, "render", name, "--count", str(FRAMES[-1] + 1), "--out", str(out), "--quiet"],
                           capture_output=True, text=True)
-    if "needs a study of rendered images" in done.stderr:
+    if "renders nothing" in done.stderr:
         return None
     if done.returncode != 0:
         sys.exit(f"sightline render {name}: {done.stderr}")

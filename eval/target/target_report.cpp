@@ -219,6 +219,27 @@ Json features_json(const Target& target) {
   return features;
 }
 
+bool is_coloured(const Mesh& mesh) {
+  return !mesh.coats.empty() ||
+         std::any_of(mesh.parts.begin(), mesh.parts.end(), [](const Part& p) {
+           if (!p.material) return false;
+           const auto& base = p.material->base;
+           return base[0] != base[1] || base[1] != base[2];
+         });
+}
+
+// In colour where the mesh has any.
+cv::Mat draw_picture(const std::shared_ptr<const Target>& target,
+                     const std::vector<double>& theta_deg) {
+  Scene scene = picture_scene(target, theta_deg);
+  if (!is_coloured(target->mesh)) {
+    return Renderer().render(scene, RandomStream(0, "picture", 0)).image;
+  }
+  scene.colouring.mode = ColourMode::kRgb;
+  scene.sensor.is_srgb = true;
+  return Renderer().render(scene, RandomStream(0, "picture", 0)).colour;
+}
+
 }  // namespace
 
 std::string target_json(const std::string& name, const MeshUse& use) {
@@ -269,8 +290,7 @@ TargetReport report_target(const TargetArguments& arguments) {
     return {out + proposal.text, proposal.proposed};
   }
   if (!arguments.picture.empty()) {
-    const Scene scene = picture_scene(target, arguments.theta_deg);
-    write_picture(Renderer().render(scene, RandomStream(0, "picture", 0)).image, arguments.picture);
+    write_picture(draw_picture(target, arguments.theta_deg), arguments.picture);
     out += fmt::format("\npicture    {}\n", arguments.picture);
   }
   return {out, {}};

@@ -230,6 +230,16 @@ Solid hull(const Boeing707& d, const FuselagePaint& paint) {
 
 }  // namespace
 
+HullSection hull_section(const Boeing707& dimensions, double station_m) {
+  const Outline o = outline_at(dimensions, station_m);
+  return {o.top_m, o.bottom_m, o.widest_m};
+}
+
+CheatLine cheat_line() {
+  return {std::cos(kCabinLines[kCheatLine] * kDegree),
+          std::cos(kCabinLines[kCheatLine + 1] * kDegree)};
+}
+
 void add_fuselage(Assembly& assembly, const Boeing707& dimensions) {
   FuselagePaint paint{};
   paint.nose_cone = assembly.add_part("nose_cone", 0.72);

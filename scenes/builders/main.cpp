@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "scenes/builders/boeing707.h"
+#include "scenes/builders/boeing707_livery.h"
 #include "scenes/builders/cube.h"
 #include "scenes/builders/tango.h"
 #include "scenes/files/input_error.h"
@@ -19,7 +20,8 @@ int main(int argc, char** argv) {
   try {
     const std::filesystem::path folder = argv[1];
     for (const sightline::BuiltTarget& target :
-         {sightline::build_boeing707_target(), sightline::build_cube(), sightline::build_tango()}) {
+         {sightline::build_boeing707_target(), sightline::build_boeing707_livery_target(),
+          sightline::build_cube(), sightline::build_tango()}) {
       sightline::write_target(target, folder / target.name);
       fmt::print("{}: {} triangles, {} features\n", (folder / target.name).string(),
                  target.mesh.triangles.size(), target.features.size());

@@ -15,7 +15,6 @@
 namespace sightline {
 namespace {
 
-// What says of itself that it is ours means dull surfaces of plain greys.
 constexpr const char* kOurs = "sightline";
 
 double number_of(const tinygltf::Value& object, const char* key, double fallback) {
@@ -96,6 +95,11 @@ void set_base(const tinygltf::Material& from, Material& to) {
   }
 }
 
+// Files of ours say by no metal at full roughness that a surface is dull.
+bool is_dull(const tinygltf::Model& model, const Material& material) {
+  return model.asset.generator == kOurs && material.metallic == 0 && material.roughness == 1;
+}
+
 void set_emission(const tinygltf::Material& from, Material& to) {
   const tinygltf::Value* strength = extension(from.extensions, "KHR_materials_emissive_strength");
   const double factor =
@@ -157,9 +161,9 @@ Material GltfMaterials::material(int index) const {
   Material to;
   set_base(from, to);
   set_emission(from, to);
-  to.has_gloss = specular_glossiness_of(from) == nullptr && model_.asset.generator != kOurs;
   to.metallic = within_unit(pbr.metallicFactor);
   to.roughness = within_unit(pbr.roughnessFactor);
+  to.has_gloss = specular_glossiness_of(from) == nullptr && !is_dull(model_, to);
   to.is_unlit = extension(from.extensions, "KHR_materials_unlit") != nullptr;
   to.alpha_mode = from.alphaMode == "MASK"    ? AlphaMode::kMask
                   : from.alphaMode == "BLEND" ? AlphaMode::kBlend

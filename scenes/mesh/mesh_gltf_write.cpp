@@ -14,6 +14,7 @@
 
 #include "scenes/files/input_error.h"
 #include "scenes/mesh/mesh_io.h"
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {
@@ -44,6 +45,18 @@ class BufferWriter {
     return static_cast<int>(model_.accessors.size()) - 1;
   }
 
+  // A file within the file; numbers must not be written after one, for it may end at any byte.
+  int add(const std::string& file) {
+    std::vector<unsigned char>& bytes = model_.buffers[0].data;
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = bytes.size();
+    view.byteLength = file.size();
+    bytes.insert(bytes.end(), file.begin(), file.end());
+    model_.bufferViews.push_back(view);
+    return static_cast<int>(model_.bufferViews.size()) - 1;
+  }
+
  private:
   tinygltf::Model& model_;
 };
@@ -51,8 +64,24 @@ class BufferWriter {
 struct PartVertices {
   std::vector<float> positions;
   std::vector<float> normals;
+  std::vector<float> uv;  // of a part with a texture
   std::vector<uint32_t> indices;
 };
+
+// The texture that lies on a part; none where there is none to write.
+const TextureRef* texture_on(const Mesh& mesh, int part) {
+  const std::optional<Material>& material = mesh.parts[part].material;
+  if (!material || mesh.coats.empty() || !material->base_texture.is_there()) return nullptr;
+  return &material->base_texture;
+}
+
+// Where a corner lies in a texture.
+std::array<float, 2> uv_of(const Coat& coat, int corner, const TextureRef& ref) {
+  const Eigen::Vector2d uv = coat.uv[corner].cast<double>();
+  const auto& m = ref.texture_from_uv;
+  return {static_cast<float>(m[0] * uv.x() + m[1] * uv.y() + m[2]),
+          static_cast<float>(m[3] * uv.x() + m[4] * uv.y() + m[5])};
+}
 
 // Target frame (x forward, y starboard, z down) to glTF's (z forward, y up, x port).
 std::array<float, 3> to_gltf(const Eigen::Vector3d& v) {
@@ -61,18 +90,23 @@ std::array<float, 3> to_gltf(const Eigen::Vector3d& v) {
 
 PartVertices vertices_of(const Mesh& mesh, int part) {
   PartVertices out;
-  std::map<std::array<float, 6>, uint32_t> index_of;
-  for (const Triangle& triangle : mesh.triangles) {
+  const TextureRef* ref = texture_on(mesh, part);
+  std::map<std::array<float, 8>, uint32_t> index_of;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle& triangle = mesh.triangles[t];
     if (triangle.part != part) continue;
     for (int c = 0; c < 3; ++c) {
       const auto position = to_gltf(mesh.vertices[triangle.vertex[c]]);
       const auto normal = to_gltf(triangle.normal[c]);
-      const std::array<float, 6> key{position[0], position[1], position[2],
-                                     normal[0],   normal[1],   normal[2]};
-      const auto [at, is_new] = index_of.emplace(key, static_cast<uint32_t>(index_of.size()));
+      const auto uv = ref == nullptr ? std::array<float, 2>{} : uv_of(mesh.coats[t], c, *ref);
+      const auto [at, is_new] =
+          index_of.emplace(std::array{position[0], position[1], position[2], normal[0], normal[1],
+                                      normal[2], uv[0], uv[1]},
+                           static_cast<uint32_t>(index_of.size()));
       if (is_new) {
         out.positions.insert(out.positions.end(), position.begin(), position.end());
         out.normals.insert(out.normals.end(), normal.begin(), normal.end());
+        if (ref != nullptr) out.uv.insert(out.uv.end(), uv.begin(), uv.end());
       }
       out.indices.push_back(at->second);
     }
@@ -90,7 +124,33 @@ void set_bounds(tinygltf::Accessor& accessor, const std::vector<float>& position
   }
 }
 
-// The factors of a part's material, without textures; grey and dull where it has none.
+int gltf_wrap(Wrap wrap) {
+  if (wrap == Wrap::kClamp) return TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE;
+  return wrap == Wrap::kMirror ? TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT
+                               : TINYGLTF_TEXTURE_WRAP_REPEAT;
+}
+
+// The number of the texture that is looked up so; made where no part before had it.
+int gltf_texture(tinygltf::Model& model, const TextureRef& ref) {
+  tinygltf::Sampler sampler;
+  sampler.wrapS = gltf_wrap(ref.wrap_u);
+  sampler.wrapT = gltf_wrap(ref.wrap_v);
+  sampler.magFilter =
+      ref.is_nearest ? TINYGLTF_TEXTURE_FILTER_NEAREST : TINYGLTF_TEXTURE_FILTER_LINEAR;
+  for (size_t i = 0; i < model.textures.size(); ++i) {
+    if (model.textures[i].source == ref.texture && model.samplers[i] == sampler) {
+      return static_cast<int>(i);
+    }
+  }
+  tinygltf::Texture texture;
+  texture.source = ref.texture;
+  texture.sampler = static_cast<int>(model.samplers.size());
+  model.samplers.push_back(sampler);
+  model.textures.push_back(texture);
+  return texture.sampler;
+}
+
+// The factors of a part's material; grey and dull where it has none.
 tinygltf::Material gltf_material(const Part& part) {
   tinygltf::Material out;
   out.name = part.name;
@@ -103,6 +163,19 @@ tinygltf::Material gltf_material(const Part& part) {
   out.pbrMetallicRoughness.metallicFactor = material.metallic;
   out.pbrMetallicRoughness.roughnessFactor = material.roughness;
   return out;
+}
+
+void add_image(tinygltf::Model& model, BufferWriter& writer, const Texture& texture) {
+  cv::Mat picture(texture.height, texture.width, CV_8UC3);
+  for (size_t i = 0; i < picture.total(); ++i) {
+    const uint8_t* texel = texture.rgba.data() + 4 * i;
+    picture.at<cv::Vec3b>(static_cast<int>(i)) = {texel[2], texel[1], texel[0]};
+  }
+  tinygltf::Image image;
+  image.name = texture.name;
+  image.mimeType = "image/png";
+  image.bufferView = writer.add(png_bytes(picture, PngEffort::kSmall));
+  model.images.push_back(image);
 }
 
 void add_part(tinygltf::Model& model, BufferWriter& writer, const Mesh& mesh, int part) {
@@ -118,11 +191,22 @@ void add_part(tinygltf::Model& model, BufferWriter& writer, const Mesh& mesh, in
   primitive.attributes["NORMAL"] =
       writer.add(vertices.normals, TINYGLTF_TYPE_VEC3, TINYGLTF_COMPONENT_TYPE_FLOAT,
                  TINYGLTF_TARGET_ARRAY_BUFFER, 3);
+  if (!vertices.uv.empty()) {
+    primitive.attributes["TEXCOORD_0"] =
+        writer.add(vertices.uv, TINYGLTF_TYPE_VEC2, TINYGLTF_COMPONENT_TYPE_FLOAT,
+                   TINYGLTF_TARGET_ARRAY_BUFFER, 2);
+  }
   primitive.indices =
       writer.add(vertices.indices, TINYGLTF_TYPE_SCALAR, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
                  TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, 1);
 
   model.materials.push_back(gltf_material(mesh.parts[part]));
+  if (const TextureRef* ref = texture_on(mesh, part)) {
+    tinygltf::PbrMetallicRoughness& pbr = model.materials.back().pbrMetallicRoughness;
+    const auto& base = mesh.parts[part].material->base;
+    pbr.baseColorFactor.assign(base.begin(), base.end());
+    pbr.baseColorTexture.index = gltf_texture(model, *ref);
+  }
 
   tinygltf::Mesh gltf_mesh;
   gltf_mesh.name = mesh.parts[part].name;
@@ -147,6 +231,9 @@ void write_glb(const Mesh& mesh, const std::filesystem::path& file) {
   BufferWriter writer(model);
   for (size_t part = 0; part < mesh.parts.size(); ++part) {
     add_part(model, writer, mesh, static_cast<int>(part));
+  }
+  if (!model.textures.empty()) {
+    for (const auto& texture : mesh.textures) add_image(model, writer, *texture);
   }
   // To a stream of our own: tinygltf's writer to a file does not notice when it cannot be opened.
   std::ofstream stream(file, std::ios::binary);

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "renderer/renderer.h"
 #include "tests/renderer/scenes_for_tests.h"
@@ -190,6 +191,17 @@ TEST(Colour, WhatIsGreyIsTheGreyPictureThreeTimes) {
   EXPECT_EQ(cv::norm(colour.part_ids, grey.part_ids, cv::NORM_INF), 0);
 }
 
+// Of a plate before nothing, lit from in front.
+TEST(Colour, ShadowsAndHighlightsFindThePrint) {
+  Scene scene = upright(8);
+  scene.light = {.to_light_in_cam = -Eigen::Vector3d::UnitZ(), .ambient = 0.3, .directional = 0.5};
+  const cv::Mat plain = Renderer().render_linear(scene);
+  scene.light.casts_shadow = true;
+  EXPECT_LT(cv::norm(Renderer().render_linear(scene), plain, cv::NORM_INF), 1e-6);
+  scene.light.specular = 0.1;
+  EXPECT_GT(cv::norm(Renderer().render_linear(scene), plain, cv::NORM_INF), 0.05);
+}
+
 TEST(Colour, InGreyATextureIsItsLuminance) {
   Scene scene = upright(8);
   Mesh mesh = scene.target->mesh;
@@ -302,6 +314,28 @@ TEST(Colour, EachChannelHasNoiseOfItsOwn) {
     // Two independent ones; five standard errors of 51200 pixels are 1.6 %.
     EXPECT_NEAR(sd.at<double>(0), 3 * std::numbers::sqrt2, 0.05 * 3 * std::numbers::sqrt2);
   }
+}
+
+// Gold and blue beside white, by the hue of what is far from grey.
+TEST(Colour, ALiveryHasItsColours) {
+  Scene scene;
+  scene.target = load_target("boeing707_livery");
+  scene.camera = centred_camera(320, 240, 6000);
+  scene.cam_from_target = at(0, 0, 1400, {-1.2, 0, 0});
+  scene.colouring.mode = ColourMode::kRgb;
+  cv::Mat hsv;
+  cv::cvtColor(Renderer().render(scene, no_noise()).colour, hsv, cv::COLOR_BGR2HSV);
+  int gold = 0, blue = 0, white = 0;
+  for (const cv::Vec3b& pixel : cv::Mat_<cv::Vec3b>(hsv)) {
+    if (pixel[2] < 60) continue;
+    if (pixel[1] < 25) ++white;
+    if (pixel[1] < 110) continue;
+    if (pixel[0] > 13 && pixel[0] < 30) ++gold;
+    if (pixel[0] > 105 && pixel[0] < 128) ++blue;
+  }
+  EXPECT_GT(gold, 100);
+  EXPECT_GT(blue, 60);
+  EXPECT_GT(white, 500);
 }
 
 }  // namespace

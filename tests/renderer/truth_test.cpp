@@ -333,5 +333,42 @@ TEST(Truth, EdgesEndWhereTheCameraPutsThem) {
   }
 }
 
+// The livery's paint changes pictures, and nothing that is said of them.
+TEST(Truth, OfAPaintedTargetIsThatOfThePlainOne) {
+  const auto plain = load_target("boeing707");
+  const auto painted = load_target("boeing707_livery");
+  Renderer renderer;
+  for (int i = 0; i < 4; ++i) {
+    RandomStream stream(1, "painted poses", i);
+    Scene scene;
+    scene.camera = centred_camera(320, 240, 6000);
+    scene.cam_from_target = at(0, 0, 1400);
+    scene.cam_from_target.rotation = stream.rotation();
+    scene.colouring.mode = i < 2 ? ColourMode::kGrey : ColourMode::kRgb;
+    const auto frame_of = [&](const std::shared_ptr<const Target>& target, bool draws_textures) {
+      scene.target = target;
+      scene.colouring.draws_textures = draws_textures;
+      return renderer.render(scene, RandomStream(1, "sensor", i));
+    };
+    const Frame a = frame_of(plain, true);
+    const Frame b = frame_of(painted, true);
+    EXPECT_EQ(cv::norm(a.depth_m, b.depth_m, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(a.part_ids, b.part_ids, cv::NORM_INF), 0);
+    EXPECT_EQ(cv::norm(a.body_ids, b.body_ids, cv::NORM_INF), 0);
+    const BodyTruth& of_a = a.truth.target();
+    const BodyTruth& of_b = b.truth.target();
+    EXPECT_EQ(cv::norm(of_a.amodal_mask, of_b.amodal_mask, cv::NORM_INF), 0);
+    ASSERT_EQ(of_a.features.size(), of_b.features.size());
+    for (size_t f = 0; f < of_a.features.size(); ++f) {
+      EXPECT_EQ(of_a.features[f].pixel, of_b.features[f].pixel);
+      EXPECT_EQ(of_a.features[f].is_visible, of_b.features[f].is_visible);
+    }
+    EXPECT_GT(cv::norm(a.image, b.image, cv::NORM_INF), 50);
+    if (scene.colouring.mode == ColourMode::kGrey) {
+      EXPECT_EQ(cv::norm(a.image, frame_of(painted, false).image, cv::NORM_INF), 0);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace sightline

@@ -53,7 +53,8 @@ void add_target(CLI::App& app) {
       ->required();
   add_mesh_options(*sub, arguments->mesh);
   CLI::Option* picture =
-      sub->add_option("--picture", arguments->picture, "Also draw it into this .png");
+      sub->add_option("--picture", arguments->picture,
+                      "Also draw it into this .png, in colour where its mesh has any");
   sub->add_option("--theta", arguments->theta_deg,
                   "Pitch, yaw and roll of the picture in degrees, comma-separated; 0,0,0 is the "
                   "target's z axis away from the camera (a shipped target's plan view)")

@@ -14,6 +14,7 @@
 
 #include "eval/work/processors.h"
 #include "pose/solver.h"
+#include "scenes/picture/picture_file.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -328,7 +329,9 @@ TEST_F(Program, DescribesAndDrawsATarget) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_THAT(outcome.output, HasSubstr("46.610"));
   EXPECT_THAT(outcome.output, HasSubstr("closed"));
-  EXPECT_GT(fs::file_size(path("b.png")), 1000u);
+  EXPECT_EQ(read_picture_file(path("b.png")).pixels.channels(), 1);
+  run("target boeing707_livery --picture " + path("painted.png"));
+  EXPECT_EQ(read_picture_file(path("painted.png")).pixels.channels(), 3);
   EXPECT_EQ(run("target cube --picture " + path("no/b.png")).exit_code, 1);
 }
 

@@ -22,6 +22,7 @@
 
 #include "pose/angles.h"
 #include "scenes/builders/boeing707.h"
+#include "scenes/builders/boeing707_livery.h"
 #include "scenes/builders/cube.h"
 #include "scenes/builders/tango.h"
 #include "scenes/builders/target_file.h"
@@ -30,11 +31,17 @@
 
 namespace sightline {
 
-static void PrintTo(const BuiltTarget& target, std::ostream* stream) {
-  *stream << target.name;
-}
-
 namespace {
+
+// A target is built in the tests that look at it, for some take a while.
+struct TargetBuilder {
+  std::string name;
+  BuiltTarget (*build)();
+};
+
+void PrintTo(const TargetBuilder& builder, std::ostream* stream) {
+  *stream << builder.name;
+}
 
 using DirectedEdge = std::pair<int, int>;
 
@@ -121,10 +128,17 @@ std::vector<char> bytes_of(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
 }
 
-class BuiltTargetTest : public testing::TestWithParam<BuiltTarget> {
+class BuiltTargetTest : public testing::TestWithParam<TargetBuilder> {
  protected:
-  const Mesh& mesh() const { return GetParam().mesh; }
+  const BuiltTarget target_ = GetParam().build();
+
+  const Mesh& mesh() const { return target_.mesh; }
 };
+
+// The only texture that a target has.
+const Texture& texture_of(const Mesh& mesh) {
+  return *mesh.textures.at(0);
+}
 
 TEST_P(BuiltTargetTest, EveryComponentIsClosed) {
   EXPECT_EQ(open_or_odd_edges(mesh()), 0);
@@ -180,7 +194,7 @@ TEST_P(BuiltTargetTest, NoPartCanHaveTheShadeOfTheBackground) {
 }
 
 TEST_P(BuiltTargetTest, FeaturesAreVerticesAndTheirEdgesAreEdgesOfTheMesh) {
-  for (const TargetFeature& feature : GetParam().features) {
+  for (const TargetFeature& feature : target_.features) {
     if (feature.kind == FeatureKind::kContour) continue;
     EXPECT_GE(vertex_at(mesh(), feature.position_m), 0) << feature.name;
     if (feature.kind != FeatureKind::kLineIntersection) continue;
@@ -192,12 +206,11 @@ TEST_P(BuiltTargetTest, FeaturesAreVerticesAndTheirEdgesAreEdgesOfTheMesh) {
 }
 
 TEST_P(BuiltTargetTest, AssetsAreWhatTheBuilderWrites) {
-  const BuiltTarget& target = GetParam();
   const std::filesystem::path committed =
-      std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "assets" / "targets" / target.name;
+      std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "assets" / "targets" / target_.name;
   const std::filesystem::path written =
-      std::filesystem::path(testing::TempDir()) / "builders_test" / target.name;
-  write_target(target, written);
+      std::filesystem::path(testing::TempDir()) / "builders_test" / target_.name;
+  write_target(target_, written);
   for (const char* file : {"mesh.glb", "target.toml"}) {
     ASSERT_FALSE(bytes_of(written / file).empty()) << file;
     EXPECT_TRUE(bytes_of(written / file) == bytes_of(committed / file))
@@ -206,21 +219,20 @@ TEST_P(BuiltTargetTest, AssetsAreWhatTheBuilderWrites) {
 }
 
 TEST_P(BuiltTargetTest, ReadsBackWhole) {
-  const BuiltTarget& target = GetParam();
   const std::filesystem::path folder =
-      std::filesystem::path(testing::TempDir()) / "builders_test_read" / target.name;
-  write_target(target, folder);
+      std::filesystem::path(testing::TempDir()) / "builders_test_read" / target_.name;
+  write_target(target_, folder);
   const std::shared_ptr<const Target> read = load_target((folder / "target.toml").string());
-  EXPECT_EQ(read->name, target.name);
-  EXPECT_EQ(read->mesh.triangles.size(), target.mesh.triangles.size());
-  EXPECT_EQ(read->mesh.vertices.size(), target.mesh.vertices.size());
+  EXPECT_EQ(read->name, target_.name);
+  EXPECT_EQ(read->mesh.triangles.size(), target_.mesh.triangles.size());
+  EXPECT_EQ(read->mesh.vertices.size(), target_.mesh.vertices.size());
   EXPECT_EQ(open_or_odd_edges(read->mesh), 0);
-  ASSERT_EQ(read->features.size(), target.features.size());
-  for (size_t i = 0; i < target.features.size(); ++i) {
-    EXPECT_EQ(read->features[i].name, target.features[i].name);
-    EXPECT_EQ(read->features[i].kind, target.features[i].kind);
-    EXPECT_EQ(read->features[i].clearance_m, target.features[i].clearance_m);
-    EXPECT_LT((read->features[i].position_m - target.features[i].position_m).norm(), kGridM);
+  ASSERT_EQ(read->features.size(), target_.features.size());
+  for (size_t i = 0; i < target_.features.size(); ++i) {
+    EXPECT_EQ(read->features[i].name, target_.features[i].name);
+    EXPECT_EQ(read->features[i].kind, target_.features[i].kind);
+    EXPECT_EQ(read->features[i].clearance_m, target_.features[i].clearance_m);
+    EXPECT_LT((read->features[i].position_m - target_.features[i].position_m).norm(), kGridM);
   }
 }
 
@@ -234,14 +246,79 @@ TEST_P(BuiltTargetTest, ChecksNoticeAHoleAndAFlippedTriangle) {
 }
 
 TEST_P(BuiltTargetTest, ChecksNoticeAnEdgeThatIsNotInTheMesh) {
-  const TargetFeature& feature = GetParam().features.front();
+  const TargetFeature& feature = target_.features.front();
   const Edge diagonal{feature.edges[0].end_m, feature.edges[1].end_m};
   EXPECT_FALSE(mesh_edges_cover(mesh(), diagonal));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, BuiltTargetTest,
-                         testing::Values(build_boeing707_target(), build_cube(), build_tango()),
-                         [](const auto& param_info) { return param_info.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    All, BuiltTargetTest,
+    testing::Values(TargetBuilder{"boeing707", [] { return build_boeing707_target(); }},
+                    TargetBuilder{"boeing707_livery",
+                                  [] { return build_boeing707_livery_target(); }},
+                    TargetBuilder{"cube", [] { return build_cube(); }},
+                    TargetBuilder{"tango", [] { return build_tango(); }}),
+    [](const auto& param_info) { return param_info.param.name; });
+
+// What a study of either stands on.
+TEST(Boeing707Livery, HasTheShapePartsAndFeaturesOfThePlainTarget) {
+  const auto plain = load_target("boeing707");
+  const auto painted = load_target("boeing707_livery");
+  EXPECT_EQ(painted->mesh.vertices, plain->mesh.vertices);
+  ASSERT_EQ(painted->mesh.triangles.size(), plain->mesh.triangles.size());
+  for (size_t t = 0; t < plain->mesh.triangles.size(); ++t) {
+    ASSERT_EQ(painted->mesh.triangles[t].vertex, plain->mesh.triangles[t].vertex);
+    ASSERT_EQ(painted->mesh.triangles[t].part, plain->mesh.triangles[t].part);
+    ASSERT_EQ(painted->mesh.triangles[t].normal, plain->mesh.triangles[t].normal);
+  }
+  ASSERT_EQ(painted->mesh.parts.size(), plain->mesh.parts.size());
+  for (size_t i = 0; i < plain->mesh.parts.size(); ++i) {
+    EXPECT_EQ(painted->mesh.parts[i].name, plain->mesh.parts[i].name);
+    EXPECT_NEAR(painted->mesh.parts[i].albedo, plain->mesh.parts[i].albedo, 1e-12);
+  }
+  ASSERT_EQ(painted->features.size(), plain->features.size());
+  for (size_t i = 0; i < plain->features.size(); ++i) {
+    EXPECT_EQ(painted->features[i].name, plain->features[i].name);
+    EXPECT_EQ(painted->features[i].position_m, plain->features[i].position_m);
+    EXPECT_EQ(painted->features[i].parts, plain->features[i].parts);
+  }
+}
+
+TEST(Boeing707Livery, ItsTextureSurvivesTheFile) {
+  const Mesh built = build_boeing707_livery_target().mesh;
+  const Mesh read = load_target("boeing707_livery")->mesh;
+  EXPECT_TRUE(texture_of(read).rgba == texture_of(built).rgba);
+  ASSERT_EQ(read.coats.size(), read.triangles.size());
+  // Parts and their triangles come back in their order.
+  std::vector<size_t> by_part(built.triangles.size());
+  std::iota(by_part.begin(), by_part.end(), 0);
+  std::stable_sort(by_part.begin(), by_part.end(), [&](size_t a, size_t b) {
+    return built.triangles[a].part < built.triangles[b].part;
+  });
+  for (size_t t = 0; t < by_part.size(); ++t) {
+    for (int c = 0; c < 3; ++c) {
+      ASSERT_EQ(read.coats[t].uv[c], built.coats[by_part[t]].uv[c]) << t;
+      ASSERT_GE(read.coats[t].uv[c].minCoeff(), 0);
+      ASSERT_LE(read.coats[t].uv[c].maxCoeff(), 1);
+    }
+  }
+  const auto folder = std::filesystem::path(SIGHTLINE_SOURCE_DIR) / "assets" / "targets";
+  EXPECT_LT(std::filesystem::file_size(folder / "boeing707_livery" / "mesh.glb"),
+            std::filesystem::file_size(folder / "boeing707" / "mesh.glb") + 300'000);
+}
+
+TEST(Boeing707Livery, NeitherSideShowsItsTextureMirrored) {
+  const Mesh mesh = build_boeing707_livery_target().mesh;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Triangle& triangle = mesh.triangles[t];
+    if (mesh.parts[triangle.part].name != "fuselage_upper") continue;
+    const Coat& coat = mesh.coats[t];
+    const Eigen::Vector2f a = coat.uv[1] - coat.uv[0];
+    const Eigen::Vector2f b = coat.uv[2] - coat.uv[0];
+    // Counter-clockwise from outside is clockwise in a picture whose v goes down.
+    ASSERT_LE(a.x() * b.y() - a.y() * b.x(), 1e-9) << t;
+  }
+}
 
 TEST(Cube, HasUnitEdgesAndItsCentreAtTheOrigin) {
   const Bounds box = bounds(build_cube().mesh);
@@ -297,6 +374,7 @@ TEST(Tango, ItsMaterialsSurviveTheFile) {
     const Part& part = read->mesh.parts[i];
     ASSERT_TRUE(part.material && built.material) << built.name;
     EXPECT_EQ(part.material->base, built.material->base) << built.name;
+    EXPECT_TRUE(part.material->has_gloss) << built.name;
     EXPECT_EQ(part.material->metallic, built.material->metallic) << built.name;
     EXPECT_EQ(part.material->roughness, built.material->roughness) << built.name;
     metallic.insert(part.material->metallic);

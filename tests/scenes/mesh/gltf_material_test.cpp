@@ -128,8 +128,12 @@ TEST_F(GltfMaterial, AnImageThatIsLostIsNamedAndTheRestIsThere) {
               ElementsAre(HasSubstr("missing")));
 }
 
-TEST_F(GltfMaterial, OursAreDullAndWhatHasNoMaterialIsWhite) {
-  EXPECT_FALSE(mesh(kPainted, "", "picture.png", "sightline").parts[0].material->has_gloss);
+TEST_F(GltfMaterial, OursAreDullWhereTheySaySoAndWhatHasNoMaterialIsWhite) {
+  constexpr const char* kDull =
+      R"({"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1}})";
+  EXPECT_FALSE(mesh(kDull, "", "picture.png", "sightline").parts[0].material->has_gloss);
+  EXPECT_TRUE(mesh(kDull).parts[0].material->has_gloss);
+  EXPECT_TRUE(mesh(kPainted, "", "picture.png", "sightline").parts[0].material->has_gloss);
   const Mesh bare = mesh("");
   EXPECT_FALSE(bare.parts[0].material->has_gloss);
   EXPECT_THAT(bare.parts[0].material->base, ElementsAre(1, 1, 1, 1));

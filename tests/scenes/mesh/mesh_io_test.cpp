@@ -52,6 +52,38 @@ TEST(MeshIo, GlbComesBackAsItWentOut) {
   EXPECT_NEAR(inspect(back).volume_m3, 1, 1e-6);
 }
 
+TEST(MeshIo, ATextureComesBackAsItWentOut) {
+  const TemporaryFolder folder;
+  Mesh mesh = build_cube().mesh;
+  mesh.textures = {std::make_shared<const Texture>(
+      Texture{.name = "two", .width = 2, .height = 1, .rgba = {1, 2, 3, 255, 40, 50, 60, 255}})};
+  mesh.parts[2].material.emplace();
+  mesh.parts[2].material->base = {0.5, 0.25, 1, 1};
+  mesh.parts[2].material->base_texture = {.texture = 0,
+                                          .wrap_u = Wrap::kMirror,
+                                          .is_nearest = true,
+                                          .texture_from_uv = {2, 0, 1, 0, 1, 0}};
+  mesh.coats.resize(mesh.triangles.size());
+  for (Coat& coat : mesh.coats) coat.uv = {{{0, 0}, {0.25f, 0}, {0, 0.5f}}};
+  write_glb(mesh, folder.path() / "cube.glb");
+  const Mesh back = read_mesh(folder.path() / "cube.glb", kGltfFrame).mesh;
+  EXPECT_EQ(back.vertices.size(), mesh.vertices.size());
+  ASSERT_EQ(back.textures.size(), 1u);
+  EXPECT_EQ(back.textures[0]->rgba, mesh.textures[0]->rgba);
+  ASSERT_EQ(back.coats.size(), mesh.coats.size());
+  for (size_t t = 0; t < back.triangles.size(); ++t) {
+    const bool is_printed = back.triangles[t].part == 2;
+    EXPECT_EQ(back.parts[back.triangles[t].part].material->base_texture.is_there(), is_printed);
+    if (!is_printed) continue;
+    EXPECT_EQ(back.coats[t].uv[1], Eigen::Vector2f(1.5f, 0));
+  }
+  const Material& material = *back.parts[2].material;
+  EXPECT_EQ(material.base, mesh.parts[2].material->base);
+  EXPECT_EQ(material.base_texture.wrap_u, Wrap::kMirror);
+  EXPECT_EQ(material.base_texture.wrap_v, Wrap::kRepeat);
+  EXPECT_TRUE(material.base_texture.is_nearest);
+}
+
 TEST(MeshIo, TheSameMeshGivesTheSameBytes) {
   const TemporaryFolder folder;
   write_glb(build_cube().mesh, folder.path() / "a.glb");
