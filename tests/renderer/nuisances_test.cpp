@@ -352,7 +352,7 @@ TEST(ChromaticShift, EnlargesTheImagesOfRedAndBlue) {
 }
 
 TEST(Renderer, MemoryStaysFlat) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef SIGHTLINE_SANITIZED
   GTEST_SKIP() << "the sanitizer keeps what is freed";
 #endif
   Renderer renderer;
