@@ -73,13 +73,13 @@ std::optional<RemovalHypothesis> fitted(const RemovalModel& s, const PackedPoint
   if (!h) return std::nullopt;
   h->set = set;
   for (int i = 0; i < set.size; ++i) {
-    const PointPrior& prior = s.points[set.points[i]];
-    const std::optional<Eigen::Vector2d> r = residual_px(*s.c, set.points[i], h->pose);
+    const int point = set.points[i];
+    const std::optional<Eigen::Vector2d> r = residual_px(*s.c, point, h->pose);
     if (!r) return std::nullopt;
-    const double f = r->dot(prior.information * *r);
+    const double f = r->dot(s.information[point] * *r);
     h->rss -= weight[i] * f;
     h->log_weight += 0.5 * weight[i] * f;
-    h->log_weight += prior.log_odds - 2 * std::log1p(0.5 * f * prior.gamma);
+    h->log_weight += s.log_odds[point] - 2 * std::log1p(0.5 * f * s.gamma[point]);
   }
   return h;
 }
@@ -141,13 +141,14 @@ void use_linear_weights(const RemovalModel& s, const Linearisation& linear,
 bool settle(const RemovalModel& s, const PackedPoints& points, const Pose& start,
             Linearisation& linear, int& iterations) {
   if (!linearise(points, start, linear)) return false;
-  weigh_explaining_sets(s, linear);
+  weigh_explaining_sets(s, 0, kProbable, linear);
   for (int move = 0; move < kMaxMoves; ++move) {
     const RemovalSet set = heaviest(linear.sets).set;
     const Vector6d delta = step_of(s, linear, set).delta;
     const Pose before = linear.pose;
     Pose next = retract(before, delta);
     if (move == 0 && turn_rad(delta) > kTooLongTurnRad) {
+      weigh_swept_sets(s, linear);
       const auto sets = least_residual_sets(linear.sets, s.max_removed);
       const auto hypotheses = fit_all(s, points, linear, sets, iterations);
       if (hypotheses.empty()) return true;
@@ -156,7 +157,7 @@ bool settle(const RemovalModel& s, const PackedPoints& points, const Pose& start
       return true;
     }
     if (!linearise(points, next, linear) && !linearise(points, before, linear)) return false;
-    weigh_explaining_sets(s, linear);
+    weigh_explaining_sets(s, set.size, kProbable, linear);
     const bool is_same = heaviest(linear.sets).set == set;
     if (is_same && turn_rad(delta) <= kLongTurnOfSameSetRad) return true;
   }
@@ -178,7 +179,7 @@ std::vector<RemovalSet> proper_subsets(const RemovalSet& set) {
 bool has_far_outlier(const RemovalModel& s, const RemovalHypothesis& h) {
   return std::ranges::any_of(h.set.span(), [&](int i) {
     const std::optional<Eigen::Vector2d> r = residual_px(*s.c, i, h.pose);
-    return !r || r->dot(s.points[i].information * *r) * s.points[i].gamma > kFarBeyondSlab2;
+    return !r || r->dot(s.information[i] * *r) * s.gamma[i] > kFarBeyondSlab2;
   });
 }
 
@@ -334,18 +335,25 @@ bool has_kept_in_front(const Correspondences& c, const RemovalSet& removed, cons
 std::optional<FitOfKept> fit_kept(const RemovalModel& s, const PackedPoints& points,
                                   const RemovalHypothesis& best) {
   FitOfKept result = {best.pose, Matrix6d::Zero()};
+  kernel::NormalEquations model = best.model;
   if (best.set.size > 0) {
     PackedPoints kept = points;
     for (const int i : best.set.span()) kept.scale_weight(i, 0);
     const kernel::Fit fit = kept.fit(best.pose, kMaxIterations, kFineStep);
     if (fit.status != kernel::FitStatus::kConverged) return std::nullopt;
     result.pose = pose_from(fit.pose);
+    model = fit.model;
   }
-  std::vector<double> ones(s.c->size(), 1.0);
-  for (const int i : best.set.span()) ones[i] = 0;
-  const std::optional<Matrix6d> information = information_at(PackedPoints(*s.c, ones), result.pose);
-  if (!information) return std::nullopt;
-  const std::optional<Matrix6d> unit_covariance = inverse_information(*information);
+  std::optional<Matrix6d> unit_covariance;
+  if (s.common_variance) {
+    unit_covariance = inverse_of(model);
+    if (unit_covariance) *unit_covariance /= *s.common_variance;
+  } else {
+    std::vector<double> ones(s.c->size(), 1.0);
+    for (const int i : best.set.span()) ones[i] = 0;
+    const auto information = information_at(PackedPoints(*s.c, ones), result.pose);
+    if (information) unit_covariance = inverse_information(*information);
+  }
   if (!unit_covariance) return std::nullopt;
   result.unit_covariance = *unit_covariance;
   return result;

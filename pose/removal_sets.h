@@ -9,6 +9,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,19 +34,15 @@ inline double noise_like_rss(int degrees) {
 inline constexpr double kPriorDegrees = 2;
 inline constexpr double kPriorSigmaPx = 2;
 
-/// What is known of a point before its residual is.
-struct PointPrior {
-  Eigen::Matrix2d information;  ///< inverse covariance of an inlier; unit where not known
-  double gamma = 0;             ///< noise over slab, squared
-  double log_odds = 0;          ///< of being an outlier, with the slab's height
-};
-
 /// What does not depend on the pose. Holds a pointer to the correspondences.
 struct RemovalModel {
   const Correspondences* c = nullptr;
   bool is_sigma_known = false;
-  std::vector<PointPrior> points;
-  std::vector<double> gamma;  ///< of the points, as the sweep takes them
+  /// Of an inlier's errors where all points have one; of unit noise where it is not known.
+  std::optional<double> common_variance;
+  std::vector<Eigen::Matrix2d> information;  ///< of each point: the inverse covariance of an inlier
+  std::vector<double> gamma;                 ///< noise over slab, squared
+  std::vector<double> log_odds;              ///< of being an outlier, with the slab's height
   int max_removed = 0;
 
   int n() const { return static_cast<int>(c->size()); }
@@ -75,6 +73,15 @@ struct WeighedSet {
   double rss = 0;  ///< of the kept points, whitened
 };
 
+/// What a sweep over the sets of up to max_size points gave, the empty one first, and the room for
+/// it and for its work.
+struct Sweep {
+  int max_size = 0;
+  std::size_t count = 0;
+  kernel::SweptSets of = {};
+  std::unique_ptr<double[]> room;
+};
+
 /// A problem linearised at a pose, with the room that the work on it needs.
 struct Linearisation {
   Pose pose;
@@ -82,7 +89,7 @@ struct Linearisation {
   std::size_t stride = 0;
   std::vector<double> basis;
   std::vector<double> residuals;
-  std::vector<double> sweep;  ///< q and det of every set, and the sweep's workspace
+  Sweep sweep;
   std::vector<WeighedSet> sets;
 
   double basis_at(int k, int half, int i) const { return basis[(6 * half + k) * stride + i]; }
@@ -96,9 +103,13 @@ bool linearise(const PackedPoints& points, const Pose& pose, Linearisation& line
 /// of a start have in common is included, so that weights of different starts compare.
 void weigh_sets(const RemovalModel& s, int max_size, Linearisation& linear);
 
-/// Weighs the sets of as few points as it takes for one of them to leave what looks like noise; of
-/// all sizes allowed where the noise is not known.
-void weigh_explaining_sets(const RemovalModel& s, Linearisation& linear);
+/// Sweeps the sets of up to `fewest` points, or of as few more as it takes for one of them to leave
+/// what looks like noise; of all sizes allowed where the noise is not known. Weighs into
+/// linear.sets those that have at least `least` of the weight of the heaviest, or more of them.
+void weigh_explaining_sets(const RemovalModel& s, int fewest, double least, Linearisation& linear);
+
+/// Weighs all sets of the last sweep.
+void weigh_swept_sets(const RemovalModel& s, Linearisation& linear);
 
 const WeighedSet& heaviest(const std::vector<WeighedSet>& sets);
 
