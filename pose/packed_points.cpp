@@ -13,16 +13,6 @@ std::size_t lanes_for(std::size_t points) {
   return (points + kernel::kLanes - 1) / kernel::kLanes;
 }
 
-/// From an upper triangle row by row.
-Matrix6d symmetric_from(const double (&upper)[21]) {
-  Matrix6d m;
-  const double* next = upper;
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) m(row, column) = m(column, row) = *next++;
-  }
-  return m;
-}
-
 }  // namespace
 
 PackedPoints::PackedPoints(const Correspondences& c, std::size_t lanes) : count_(lanes) {
@@ -92,6 +82,15 @@ kernel::RigidPose rigid_from(const Pose& pose) {
   Eigen::Map<RowMajor3d>(rigid.rotation) = pose.rotation;
   Eigen::Map<Eigen::Vector3d>(rigid.translation) = pose.translation;
   return rigid;
+}
+
+Matrix6d symmetric_from(const double (&upper)[21]) {
+  Matrix6d m;
+  const double* next = upper;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) m(row, column) = m(column, row) = *next++;
+  }
+  return m;
 }
 
 Matrix6d hessian_of(const kernel::NormalEquations& model) {

@@ -54,6 +54,9 @@ class PackedPoints {
 Pose pose_from(const kernel::RigidPose& pose);
 kernel::RigidPose rigid_from(const Pose& pose);
 
+/// A symmetric matrix from its upper triangle, row by row.
+Matrix6d symmetric_from(const double (&upper)[21]);
+
 /// A model's Hessian in full.
 Matrix6d hessian_of(const kernel::NormalEquations& model);
 

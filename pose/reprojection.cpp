@@ -5,9 +5,8 @@
 #include <cmath>
 #include <span>
 
-#include <Eigen/Cholesky>
-
 #include "pose/kernels/reprojection_kernel.h"
+#include "pose/packed_points.h"
 #include "pose/point_spread.h"
 
 namespace sightline {
@@ -137,15 +136,13 @@ std::optional<Reprojection> reproject(const Correspondences& c, std::size_t inde
 }
 
 std::optional<Matrix6d> inverse_information(const Matrix6d& information) {
-  const Vector6d diagonal = information.diagonal();
-  if (!information.allFinite() || !(diagonal.minCoeff() > 0)) return std::nullopt;
-  const Vector6d scale = diagonal.cwiseSqrt().cwiseInverse();
-  const Matrix6d correlation = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::LLT<Matrix6d> cholesky(correlation);
-  if (cholesky.info() != Eigen::Success) return std::nullopt;
-  const Matrix6d inverse = cholesky.solve(Matrix6d::Identity());
-  if (!(inverse.diagonal().maxCoeff() < kernel::kLargestInflation)) return std::nullopt;
-  return scale.asDiagonal() * inverse * scale.asDiagonal();
+  double upper[21], inverse[21];
+  double* next = upper;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) *next++ = information(row, column);
+  }
+  if (!kernel::invert(upper, inverse)) return std::nullopt;
+  return symmetric_from(inverse);
 }
 
 }  // namespace sightline
