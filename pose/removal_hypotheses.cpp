@@ -246,7 +246,7 @@ RemovalBranch removals_from(const RemovalModel& s, const PackedPoints& points, c
   }
   if (s.is_sigma_known && 2 * fit.model.cost <= noise_like_rss(s.degrees(0))) {
     const auto all_kept = fitted(points, pose_from(fit.pose), branch.iterations);
-    if (all_kept) branch.hypotheses = {*all_kept};
+    if (all_kept) branch.hypotheses.push_back(*all_kept);
     branch.status = all_kept ? PoseStatus::kOk : PoseStatus::kDiverged;
     return branch;
   }
@@ -272,7 +272,7 @@ RemovalBranch removals_from(const RemovalModel& s, const PackedPoints& points, c
   return branch;
 }
 
-std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBranch>& branches,
+std::optional<MeanOverRemovals> mean_over_removals(std::span<const RemovalBranch> branches,
                                                    const RemovalModel& s) {
   const RemovalBranch* chosen = nullptr;
   for (const RemovalBranch& b : branches) {

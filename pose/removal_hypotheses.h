@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pose/packed_points.h"
@@ -58,7 +59,7 @@ struct MeanOverRemovals {
 
 /// None where the best hypothesis leaves the pose undetermined. One branch at least must have a
 /// hypothesis.
-std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBranch>& branches,
+std::optional<MeanOverRemovals> mean_over_removals(std::span<const RemovalBranch> branches,
                                                    const RemovalModel& s);
 
 /// Least squares on exactly the points that a hypothesis keeps.

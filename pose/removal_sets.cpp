@@ -140,23 +140,27 @@ struct SmallSystem {
   std::array<std::array<double, kMax>, kMax> m;  ///< lower triangle
   std::array<double, kMax> r;
 
-  /// The solution with slab[i / 2] added to the diagonal (Cholesky).
+  /// The solution with slab[i / 2] added to the diagonal (L D L^T).
   std::array<double, kMax> solved(const std::array<double, kMaxRemoved>& slab) const {
     std::array<std::array<double, kMax>, kMax> l;
-    std::array<double, kMax> x;
+    std::array<double, kMax> inverse_d, x;
     for (int i = 0; i < size; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        double sum = m[i][j] + (i == j ? slab[i / 2] : 0.0);
-        for (int k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
-        l[i][j] = i == j ? std::sqrt(sum) : sum / l[j][j];
+      double d = m[i][i] + slab[i / 2];
+      x[i] = r[i];
+      for (int j = 0; j < i; ++j) {
+        // Above the diagonal l[k][i] is l[i][k] d_k.
+        double undivided = m[i][j];
+        for (int k = 0; k < j; ++k) undivided -= l[k][i] * l[j][k];
+        l[j][i] = undivided;
+        l[i][j] = undivided * inverse_d[j];
+        d -= l[i][j] * undivided;
+        x[i] -= l[i][j] * x[j];
       }
-      double sum = r[i];
-      for (int k = 0; k < i; ++k) sum -= l[i][k] * x[k];
-      x[i] = sum / l[i][i];
+      inverse_d[i] = 1 / d;
     }
     for (int i = size - 1; i >= 0; --i) {
+      x[i] *= inverse_d[i];
       for (int k = i + 1; k < size; ++k) x[i] -= l[k][i] * x[k];
-      x[i] /= l[i][i];
     }
     return x;
   }

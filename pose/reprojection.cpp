@@ -3,7 +3,6 @@
 #include "pose/reprojection.h"
 
 #include <cmath>
-#include <span>
 
 #include "pose/kernels/reprojection_kernel.h"
 #include "pose/packed_points.h"
@@ -18,21 +17,9 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return m;
 }
 
-Eigen::Matrix3d scatter_of_centred(std::span<const Eigen::Vector3d> points) {
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& p : points) scatter.noalias() += p * p.transpose();
-  return scatter;
-}
-
-/// Sum of the products of two eigenvalues of a symmetric matrix.
-double second_invariant(const Eigen::Matrix3d& m) {
-  return m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) - m(0, 2) * m(0, 2) +
-         m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
-}
-
 /// As PointSpread::is_collinear, but most clouds are seen not to be without their eigenvalues.
 bool is_collinear(const Correspondences& c) {
-  const Eigen::Matrix3d scatter = scatter_of_centred(c.points_in_centred);
+  const Eigen::Matrix3d scatter = moments_of(c.points_in_centred);
   const double trace = scatter.trace();
   // The second eigenvalue over the first is at least half this ratio less its rounding.
   if (second_invariant(scatter) > 1e-8 * trace * trace) return false;

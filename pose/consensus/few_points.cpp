@@ -17,6 +17,7 @@
 #include "pose/consensus/noise.h"
 #include "pose/consensus/score.h"
 #include "pose/packed_points.h"
+#include "pose/point_spread.h"
 #include "pose/removal_hypotheses.h"
 #include "pose/removal_sets.h"
 #include "pose/reprojection.h"
@@ -44,7 +45,11 @@ struct Few {
   WhitenedCorrespondences points;
   double image_unit_px = 1;
   double typical_noise_px = 1;
+  Eigen::Matrix3d scatter;  ///< of the points
 
+  /// The sum of the squared distances of the points from the plane that is nearest to them, at
+  /// least.
+  double least_thickness2() const { return scatter.determinant() / second_invariant(scatter); }
   std::size_t size() const { return points.size(); }
   bool is_whitened() const { return !points.whitening.empty(); }
   /// The image's area in the units of a point's noise, as Cloud::area.
@@ -65,8 +70,9 @@ std::optional<Few> few_points(const PoseProblem& problem) {
   if (problem.covariances_px2.empty() && !(problem.sigma_px > 0)) return std::nullopt;
   PreparedWhitened prepared = prepare_whitened(problem);
   if (prepared.status != PoseStatus::kOk) return std::nullopt;
-  Few few = {std::move(prepared.correspondences), 1, problem.sigma_px};
-  if (!is_clearly_solid(few.points.points.points_in_centred)) return std::nullopt;
+  const Eigen::Matrix3d scatter = moments_of(prepared.correspondences.points.points_in_centred);
+  if (!is_clearly_solid(scatter)) return std::nullopt;
+  Few few = {std::move(prepared.correspondences), 1, problem.sigma_px, scatter};
   if (few.is_whitened()) {
     std::array<double, kMostOfFew> radii;
     for (std::size_t i = 0; i < n; ++i) {
@@ -86,20 +92,11 @@ RemovalModel model_of(const Few& few) {
   return removal_model(few.points, options);
 }
 
-/// The sum of the squared distances of the points from the plane that is nearest to them, at least.
-double least_thickness2(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& p : points) m.noalias() += p * p.transpose();
-  const double pairs = m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) -
-                       m(0, 2) * m(0, 2) + m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
-  return m.determinant() / pairs;
-}
-
 bool is_mirror_pose_excluded(const Few& few, const Pose& cam_from_centred) {
   const Correspondences& c = few.points.points;
   const double scale_px = std::min(c.fx_px, c.fy_px) / cam_from_centred.translation.z();
   const double least_px = kThickness * few.typical_noise_px;
-  return least_thickness2(c.points_in_centred) * scale_px * scale_px > least_px * least_px;
+  return few.least_thickness2() * scale_px * scale_px > least_px * least_px;
 }
 
 /// What the points say at the pose of the answer.
@@ -214,42 +211,40 @@ std::optional<FitOfKept> fit_of(const Few& few, const RemovalModel& s, const Pac
 }
 
 /// The answer from one start, where it is decisive.
-std::optional<PoseEstimate> decide(const Few& few, const RemovalModel& s,
-                                   const PackedPoints& packed, const Pose& start,
-                                   double false_alarm_rate) {
+PoseEstimate decide(const Few& few, const RemovalModel& s, const PackedPoints& packed,
+                    const Pose& start, double false_alarm_rate) {
   Linearisation room;
-  std::vector<RemovalBranch> branches;
-  branches.push_back(removals_from(s, packed, start, RemovalEffort::kOnlySmall, room));
-  if (branches.front().status != PoseStatus::kOk) return std::nullopt;
-  const std::optional<MeanOverRemovals> mean = mean_over_removals(branches, s);
-  if (!mean || is_doubtful(s, *mean) || !is_mirror_pose_excluded(few, mean->mean)) {
-    return std::nullopt;
-  }
+  const RemovalBranch branch = removals_from(s, packed, start, RemovalEffort::kOnlySmall, room);
+  if (branch.status != PoseStatus::kOk) return {};
+  const std::optional<MeanOverRemovals> mean = mean_over_removals({&branch, 1}, s);
+  if (!mean || is_doubtful(s, *mean) || !is_mirror_pose_excluded(few, mean->mean)) return {};
   std::optional<AtAnswer> at = look_at(few, *mean);
-  if (!at || !(at->other_poses < kOtherPoses)) return std::nullopt;
+  if (!at || !(at->other_poses < kOtherPoses)) return {};
   const std::optional<FitOfKept> fit = fit_of(few, s, packed, *mean);
-  if (!fit) return std::nullopt;
+  if (!fit) return {};
   return estimate_from(few, *mean, *fit, std::move(*at), false_alarm_rate);
 }
 
 }  // namespace
 
-std::optional<PoseEstimate> estimate_of_few(const PoseProblem& problem, double false_alarm_rate) {
-  if (problem.pixels.size() > kMostOfFew) return std::nullopt;
+PoseEstimate estimate_of_few(const PoseProblem& problem, double false_alarm_rate) {
+  if (problem.pixels.size() > kMostOfFew) return {};
   if (problem.initial_cam_from_target) {
     PoseProblem free = problem;
     free.initial_cam_from_target.reset();
     return estimate_of_few(free, false_alarm_rate);
   }
   const std::optional<Few> few = few_points(problem);
-  if (!few) return std::nullopt;
+  if (!few) return {};
   const RemovalModel s = model_of(*few);
   const PackedPoints points = packed(s);
-  const Correspondences& c = few->points.points;
-  for (const Pose& start : starting_poses(c, std::nullopt)) {
-    if (auto estimate = decide(*few, s, points, start, false_alarm_rate)) return estimate;
+  const std::vector<Pose> starts = starting_poses(few->points.points, std::nullopt);
+  if (starts.empty()) return {};
+  PoseEstimate estimate = decide(*few, s, points, starts.front(), false_alarm_rate);
+  for (std::size_t i = 1; i < starts.size() && estimate.status != PoseStatus::kOk; ++i) {
+    estimate = decide(*few, s, points, starts[i], false_alarm_rate);
   }
-  return std::nullopt;
+  return estimate;
 }
 
 }  // namespace sightline::consensus
