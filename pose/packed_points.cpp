@@ -36,12 +36,13 @@ PackedPoints::PackedPoints(const Correspondences& c, std::size_t lanes) : count_
   }
 }
 
-PackedPoints::PackedPoints(const Correspondences& c, std::span<const double> weights)
+PackedPoints::PackedPoints(const Correspondences& c, std::span<const double> weights,
+                           double common)
     : PackedPoints(c, lanes_for(c.size())) {
   for (std::size_t i = 0; i < c.size(); ++i) {
     kernel::PointLanes& p = data()[i / kernel::kLanes];
     const std::size_t lane = i % kernel::kLanes;
-    const double weight = weights.empty() ? 1.0 : weights[i];
+    const double weight = weights.empty() ? common : common * weights[i];
     p.w_uu[lane] = weight * c.fx_px * c.fx_px;
     p.w_uv[lane] = 0;
     p.w_vv[lane] = weight * c.fy_px * c.fy_px;

@@ -76,7 +76,7 @@ std::optional<RemovalHypothesis> fitted(const RemovalModel& s, const PackedPoint
     const int point = set.points[i];
     const std::optional<Eigen::Vector2d> r = residual_px(*s.c, point, h->pose);
     if (!r) return std::nullopt;
-    const double f = r->dot(s.information[point] * *r);
+    const double f = s.squared(point, *r);
     h->rss -= weight[i] * f;
     h->log_weight += 0.5 * weight[i] * f;
     h->log_weight += s.log_odds[point] - 2 * std::log1p(0.5 * f * s.gamma[point]);
@@ -88,6 +88,7 @@ std::vector<RemovalHypothesis> fit_all(const RemovalModel& s, const PackedPoints
                                        const Linearisation& linear,
                                        std::span<const RemovalSet> sets, int& iterations) {
   std::vector<RemovalHypothesis> hypotheses;
+  hypotheses.reserve(sets.size());
   for (const RemovalSet& set : sets) {
     const std::optional<RemovalHypothesis> h = fitted(s, points, linear, set, iterations);
     if (h) hypotheses.push_back(*h);
@@ -179,7 +180,7 @@ std::vector<RemovalSet> proper_subsets(const RemovalSet& set) {
 bool has_far_outlier(const RemovalModel& s, const RemovalHypothesis& h) {
   return std::ranges::any_of(h.set.span(), [&](int i) {
     const std::optional<Eigen::Vector2d> r = residual_px(*s.c, i, h.pose);
-    return !r || r->dot(s.information[i] * *r) * s.gamma[i] > kFarBeyondSlab2;
+    return !r || s.squared(i, *r) * s.gamma[i] > kFarBeyondSlab2;
   });
 }
 
@@ -282,14 +283,19 @@ std::optional<MeanOverRemovals> mean_over_removals(std::span<const RemovalBranch
     }
   }
   const RemovalHypothesis& best = best_of(chosen->hypotheses);
-  MeanOverRemovals answer = {best, chosen, best.pose, Matrix6d::Zero(), 1, false};
+  const std::optional<Matrix6d> unit_covariance = inverse_of(best.model);
+  if (!unit_covariance) return std::nullopt;
   const double variance = noise_variance(s, best);
+  const Matrix6d of_best = variance * *unit_covariance;
+  MeanOverRemovals answer = {best, chosen, best.pose, of_best, of_best};
+  if (branches.size() == 1 && chosen->hypotheses.size() == 1) return answer;
 
   double total = 0;
   double of_chosen = 0;
-  double of_best = 0;
+  double of_best_set = 0;
   double far = 0;
   Vector6d mean = Vector6d::Zero();
+  Matrix6d squares = Matrix6d::Zero();  // about the best one
   for (const RemovalBranch& b : branches) {
     for (const RemovalHypothesis& h : b.hypotheses) {
       const double weight = std::exp(h.log_weight - best.log_weight);
@@ -300,26 +306,27 @@ std::optional<MeanOverRemovals> mean_over_removals(std::span<const RemovalBranch
       // Another start may lead to the same minimum: it counts once.
       if (&b != chosen && is_of_best_set && turn_rad(delta) < kCoarseStep) continue;
       total += weight;
-      if (is_of_best_set) of_best += weight;
+      if (is_of_best_set) of_best_set += weight;
       if (&b == chosen) of_chosen += weight;
       if (is_best) continue;
       if (quadratic_form(best.model.hessian, delta) > kAmbiguousDistance2 * variance) far += weight;
-      if (&b == chosen) mean += weight * delta;
+      if (&b != chosen) continue;
+      mean += weight * delta;
+      squares.noalias() += weight * delta * delta.transpose();
     }
   }
   mean /= of_chosen;
+  answer.covariance /= of_chosen;
   for (const RemovalHypothesis& h : chosen->hypotheses) {
     const double share = std::exp(h.log_weight - best.log_weight) / of_chosen;
-    const std::optional<Matrix6d> covariance = inverse_of(h.model);
-    if (!covariance && &h == &best) return std::nullopt;
-    if (!covariance) continue;
-    answer.covariance += share * noise_variance(s, h) * *covariance;
-    if (chosen->hypotheses.size() == 1) break;
-    const Vector6d off = change_between(best.pose, h.pose) - mean;
-    answer.covariance += share * off * off.transpose();
+    const auto covariance = &h == &best ? std::nullopt : inverse_of(h.model);
+    if (covariance) answer.covariance += share * noise_variance(s, h) * *covariance;
   }
-  if (chosen->hypotheses.size() > 1) answer.mean = retract(best.pose, mean);
-  answer.best_probability = of_best / total;
+  if (chosen->hypotheses.size() > 1) {
+    answer.covariance += squares / of_chosen - mean * mean.transpose();
+    answer.mean = retract(best.pose, mean);
+  }
+  answer.best_probability = of_best_set / total;
   answer.is_ambiguous = far > kAmbiguousShare * total;
   return answer;
 }

@@ -166,20 +166,34 @@ struct SmallSystem {
   }
 };
 
-/// M of a set's points, and their residuals.
-SmallSystem system_of(const Linearisation& linear, const RemovalSet& set) {
-  SmallSystem system;
-  system.size = 2 * set.size;
-  for (int a = 0; a < system.size; ++a) {
-    system.r[a] = linear.residual_at(a % 2, set.points[a / 2]);
-    for (int b = 0; b <= a; ++b) {
-      double dot = a == b;
-      for (int k = 0; k < 6; ++k) {
-        dot -= linear.basis_at(k, a % 2, set.points[a / 2]) *
-               linear.basis_at(k, b % 2, set.points[b / 2]);
-      }
-      system.m[a][b] = dot;
+/// The rows of a set's points, in columns: of each point that of u, then that of v.
+struct SetRows {
+  int count = 0;
+  Eigen::Matrix<double, 6, SmallSystem::kMax> basis;
+  std::array<double, SmallSystem::kMax> residuals;
+};
+
+SetRows rows_of(const Linearisation& linear, const RemovalSet& set) {
+  SetRows rows;
+  rows.count = 2 * set.size;
+  for (int i = 0; i < set.size; ++i) {
+    const double* next = linear.basis.data() + set.points[i];
+    for (int half = 0; half < 2; ++half) {
+      for (int k = 0; k < 6; ++k, next += linear.stride) rows.basis(k, 2 * i + half) = *next;
+      rows.residuals[2 * i + half] = linear.residual_at(half, set.points[i]);
     }
+  }
+  return rows;
+}
+
+/// M of a set's points, and their residuals.
+SmallSystem system_of(const SetRows& rows) {
+  SmallSystem system;
+  system.size = rows.count;
+  for (int a = 0; a < rows.count; ++a) {
+    system.r[a] = rows.residuals[a];
+    for (int b = 0; b < a; ++b) system.m[a][b] = -rows.basis.col(a).dot(rows.basis.col(b));
+    system.m[a][a] = 1 - rows.basis.col(a).squaredNorm();
   }
   return system;
 }
@@ -203,7 +217,7 @@ bool is_explained_by_sweep(const RemovalModel& s, const Linearisation& linear) {
   const auto gammas = gammas_of(s, set);
   // The outliers' errors, free of noise: their slab's part is gamma of their squares, and their own
   // noise's gamma^2.
-  const auto errors = system_of(linear, set).solved(gammas);
+  const auto errors = system_of(rows_of(linear, set)).solved(gammas);
   double of_outliers = 0;
   for (int i = 0; i < set.size; ++i) {
     const double e2 = errors[2 * i] * errors[2 * i] + errors[2 * i + 1] * errors[2 * i + 1];
@@ -228,7 +242,9 @@ void weigh_probable_sets(const RemovalModel& s, double least, Linearisation& lin
   const double* const weights = sweep.of.weight;
   const double least_weight = weights[kernel::largest_of(weights, sweep.count)] +
                               2 * std::log(least) - kernel::kRoughLog;
+  constexpr std::size_t kUsual = 8;
   linear.sets.clear();
+  linear.sets.reserve(kUsual);
   for (std::size_t place = 0; place < sweep.count; ++place) {
     if (weights[place] < least_weight) continue;
     linear.sets.push_back(weighed(s, linear, place, set_at(place, s.n(), sweep.max_size)));
@@ -245,8 +261,8 @@ RemovalModel removal_model(const WhitenedCorrespondences& c, const OutlierOption
   const SlabLaw slab = slab_law(options);
   if (c.whitening.empty()) {
     s.common_variance = s.is_sigma_known ? c.sigma * c.sigma : 1;
-    s.information.assign(c.size(), Eigen::Matrix2d::Identity() / *s.common_variance);
-    const PointPrior prior = prior_of(s.information.front(), s.is_sigma_known, slab);
+    const Eigen::Matrix2d information = Eigen::Matrix2d::Identity() / *s.common_variance;
+    const PointPrior prior = prior_of(information, s.is_sigma_known, slab);
     s.gamma.assign(c.size(), prior.gamma);
     s.log_odds.assign(c.size(), prior.log_odds);
     return s;
@@ -261,7 +277,8 @@ RemovalModel removal_model(const WhitenedCorrespondences& c, const OutlierOption
 }
 
 PackedPoints packed(const RemovalModel& s) {
-  return PackedPoints(*s.c, s.information);
+  return s.common_variance ? PackedPoints(*s.c, {}, 1 / *s.common_variance)
+                           : PackedPoints(*s.c, s.information);
 }
 
 bool linearise(const PackedPoints& points, const Pose& pose, Linearisation& linear) {
@@ -317,14 +334,16 @@ std::vector<RemovalSet> heaviest_sets(const std::vector<WeighedSet>& sets, std::
                                       double least) {
   const double least_log = heaviest(sets).log_weight + std::log(least);
   std::vector<const WeighedSet*> heavy;
+  heavy.reserve(sets.size());
   for (const WeighedSet& w : sets) {
     if (w.log_weight >= least_log) heavy.push_back(&w);
   }
-  std::stable_sort(heavy.begin(), heavy.end(), [](const WeighedSet* a, const WeighedSet* b) {
-    return a->log_weight > b->log_weight;
+  std::ranges::sort(heavy, [](const WeighedSet* a, const WeighedSet* b) {
+    return a->log_weight > b->log_weight || (a->log_weight == b->log_weight && a < b);
   });
   heavy.resize(std::min(heavy.size(), count));
   std::vector<RemovalSet> chosen;
+  chosen.reserve(heavy.size());
   for (const WeighedSet* w : heavy) chosen.push_back(w->set);
   return chosen;
 }
@@ -349,7 +368,8 @@ SetStep step_of(const RemovalModel& s, const Linearisation& linear, const Remova
   SetStep step;
   step.delta = Eigen::Map<const Vector6d>(linear.model.step);
   if (set.size == 0) return step;
-  const SmallSystem system = system_of(linear, set);
+  const SetRows rows = rows_of(linear, set);
+  const SmallSystem system = system_of(rows);
   step.slab = gammas_of(s, set);
   const auto errors = system.solved(step.slab);  // of the removed points
   for (int i = 0; i < set.size; ++i) {
@@ -357,12 +377,10 @@ SetStep step_of(const RemovalModel& s, const Linearisation& linear, const Remova
     step.slab[i] = 4 / (2 / s.gamma[set.points[i]] + e2);
   }
   const auto z = system.solved(step.slab);
-  double along[6] = {};
-  for (int k = 0; k < 6; ++k) {
-    for (int a = 0; a < system.size; ++a) {
-      along[k] += linear.basis_at(k, a % 2, set.points[a / 2]) * z[a];
-    }
-  }
+  Vector6d along_set = Vector6d::Zero();
+  for (int a = 0; a < rows.count; ++a) along_set += z[a] * rows.basis.col(a);
+  double along[6];
+  Eigen::Map<Vector6d>(along, 6) = along_set;
   double delta[6];
   kernel::step_along(linear.model, along, delta);
   step.delta += Eigen::Map<const Vector6d>(delta);

@@ -40,10 +40,15 @@ struct RemovalModel {
   bool is_sigma_known = false;
   /// Of an inlier's errors where all points have one; of unit noise where it is not known.
   std::optional<double> common_variance;
-  std::vector<Eigen::Matrix2d> information;  ///< of each point: the inverse covariance of an inlier
-  std::vector<double> gamma;                 ///< noise over slab, squared
+  std::vector<Eigen::Matrix2d> information;  ///< else: the inverse covariance of each inlier
+  std::vector<double> gamma;                 ///< of each point, noise over slab, squared
   std::vector<double> log_odds;              ///< of being an outlier, with the slab's height
   int max_removed = 0;
+
+  /// A point's squared error in deviations of the noise.
+  double squared(int point, const Eigen::Vector2d& r) const {
+    return common_variance ? r.squaredNorm() / *common_variance : r.dot(information[point] * r);
+  }
 
   int n() const { return static_cast<int>(c->size()); }
   int degrees(int removed) const { return 2 * n() - 6 - 2 * removed; }
@@ -92,7 +97,6 @@ struct Linearisation {
   Sweep sweep;
   std::vector<WeighedSet> sets;
 
-  double basis_at(int k, int half, int i) const { return basis[(6 * half + k) * stride + i]; }
   double residual_at(int half, int i) const { return residuals[half * stride + i]; }
 };
 

@@ -202,12 +202,11 @@ PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const F
   return estimate;
 }
 
-/// fit_kept, which where nothing is removed and all points have one noise is the mean.
+/// fit_kept, which where nothing is removed and all points have one noise is the best pose.
 std::optional<FitOfKept> fit_of(const Few& few, const RemovalModel& s, const PackedPoints& packed,
                                 const MeanOverRemovals& mean) {
-  const bool is_mean = mean.chosen->hypotheses.size() == 1 && mean.best.set.size == 0;
-  if (!is_mean || few.is_whitened()) return fit_kept(s, packed, mean.best);
-  return FitOfKept{mean.mean, mean.covariance / (few.points.sigma * few.points.sigma)};
+  if (mean.best.set.size > 0 || few.is_whitened()) return fit_kept(s, packed, mean.best);
+  return FitOfKept{mean.best.pose, mean.best_covariance / (few.points.sigma * few.points.sigma)};
 }
 
 /// The answer from one start, where it is decisive.
@@ -238,11 +237,14 @@ PoseEstimate estimate_of_few(const PoseProblem& problem, double false_alarm_rate
   if (!few) return {};
   const RemovalModel s = model_of(*few);
   const PackedPoints points = packed(s);
-  const std::vector<Pose> starts = starting_poses(few->points.points, std::nullopt);
-  if (starts.empty()) return {};
-  PoseEstimate estimate = decide(*few, s, points, starts.front(), false_alarm_rate);
-  for (std::size_t i = 1; i < starts.size() && estimate.status != PoseStatus::kOk; ++i) {
-    estimate = decide(*few, s, points, starts[i], false_alarm_rate);
+  const Correspondences& c = few->points.points;
+  if (const std::optional<Pose> start = weak_perspective_start(c)) {
+    return decide(*few, s, points, *start, false_alarm_rate);
+  }
+  PoseEstimate estimate;
+  for (const Pose& start : starting_poses(c, std::nullopt)) {
+    estimate = decide(*few, s, points, start, false_alarm_rate);
+    if (estimate.status == PoseStatus::kOk) break;
   }
   return estimate;
 }
