@@ -88,7 +88,9 @@ kernel::RigidPose rigid_from(const Pose& pose) {
 Matrix6d symmetric_from(const double (&upper)[21]) {
   Matrix6d m;
   const double* next = upper;
+#pragma GCC unroll 6
   for (int row = 0; row < 6; ++row) {
+#pragma GCC unroll 6
     for (int column = row; column < 6; ++column) m(row, column) = m(column, row) = *next++;
   }
   return m;

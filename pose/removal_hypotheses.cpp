@@ -233,7 +233,9 @@ const RemovalHypothesis& best_of(const std::vector<RemovalHypothesis>& hypothese
 
 bool is_explained(const RemovalModel& s, const RemovalHypothesis& h) {
   const int degrees = s.degrees(h.set.size);
-  return degrees <= 0 || chi_square_survival(h.rss, degrees) >= kTestLevel;
+  // Two deviations above the mean the survival is above kTestLevel for any number of degrees.
+  if (degrees <= 0 || h.rss <= degrees + 2 * std::sqrt(2.0 * degrees)) return true;
+  return chi_square_survival(h.rss, degrees) >= kTestLevel;
 }
 
 RemovalBranch removals_from(const RemovalModel& s, const PackedPoints& points, const Pose& start,

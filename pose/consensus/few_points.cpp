@@ -175,6 +175,11 @@ bool is_doubtful(const RemovalModel& s, const MeanOverRemovals& mean) {
          !is_explained(s, mean.best);
 }
 
+/// Whether nothing is removed nor thought of, so that the mean is the best pose of all points.
+bool is_certain(const MeanOverRemovals& mean) {
+  return mean.best.set.size == 0 && mean.chosen->hypotheses.size() == 1;
+}
+
 PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const FitOfKept& kept,
                            AtAnswer at, double false_alarm_rate) {
   const Correspondences& c = few.points.points;
@@ -184,8 +189,12 @@ PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const F
   estimate.status = PoseStatus::kOk;
   estimate.cam_from_target = from_centred(mean.mean, c);
   estimate.removed.assign(removed.span().begin(), removed.span().end());
-  estimate.unit_covariance = covariance_from_centred(kept.unit_covariance, mean.mean, c);
+  const double variance = few.points.sigma * few.points.sigma;
   estimate.covariance = covariance_from_centred(mean.covariance, mean.mean, c);
+  estimate.unit_covariance =
+      is_certain(mean) && !few.is_whitened()
+          ? Matrix6d(*estimate.covariance / variance)
+          : covariance_from_centred(kept.unit_covariance, mean.mean, c);
   estimate.iterations = mean.chosen->iterations;
   estimate.residual_rms_px = std::sqrt(at.kept_squares / (2 * count));
   estimate.noise_px = few.points.sigma;
@@ -194,7 +203,6 @@ PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const F
   diagnosis.is_ambiguous = false;
   diagnosis.removed_probability = mean.best_probability;
   diagnosis.is_removal_limit_reached = false;
-  const double variance = few.points.sigma * few.points.sigma;
   diagnosis.is_test_failed =
       at.kept_squares > variance * chi_square_limit(2 * count - 6, false_alarm_rate);
   diagnosis.most_probable_cam_from_target = from_centred(kept.pose, c);
