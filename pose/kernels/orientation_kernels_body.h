@@ -343,15 +343,28 @@ struct Root {
 /// The largest root of h(mu) = kappa^2 - |adj|^2 - 2 det lambda, a quarter of (23). All four roots
 /// are real; the start lies above the largest, and Householder's steps of third order (error e
 /// becomes e^4) end at it. h' = 2 xi is a quarter of the product of its distances from the other
-/// roots, so that xi / lambda^2 measures the nearest: after a step below 2e-4 of that the error is
-/// 1e-15 of it. Not simple: (nearly) a double root.
+/// roots, so that xi / lambda^2 measures the nearest. An error of the root, in that measure, is how
+/// much too long or short A becomes along its axes, which the step towards orthonormal squares:
+/// 1e-8 is enough. Not simple: (nearly) a double root.
 inline Root largest_root(double norm2, double det, double adjugate_norm2) {
   constexpr double kSqrt3 = 1.7320508075688772;  // lambda <= sqrt(3) |B|
-  constexpr double kLastStep = 2e-4;
+  // What kappa / |B|^2 and lambda / |B| are in most clouds, where the tangents of their square roots
+  // are taken: they lie above the roots.
+  constexpr double kUsualKappa = 0.8;
+  constexpr double kUsualLambda = 1.6;
+  constexpr double kLastStep = 1.5e-2;
+  constexpr double kSettled = 2e-9;
   constexpr int kMaxIterations = 12;
   const double norm = __builtin_sqrt(norm2);
-  const double most_det = kSqrt3 * (det + __builtin_fabs(det));  // no branch: n = 3 tosses coins
-  const double kappa_above = __builtin_sqrt(adjugate_norm2 + most_det * norm);
+  const double per_norm2 = 1 / norm2;
+  const double two_det = det + __builtin_fabs(det);  // no branch: n = 3 tosses coins
+  const double kappa_bound =
+      (adjugate_norm2 + two_det * (kSqrt3 * norm)) * (0.5 / kUsualKappa * per_norm2) +
+      0.5 * kUsualKappa * norm2;
+  const double lambda_bound =
+      (norm2 + 2 * kappa_bound) * (0.5 / kUsualLambda * (norm * per_norm2)) +
+      0.5 * kUsualLambda * norm;
+  const double kappa_above = __builtin_sqrt(adjugate_norm2 + two_det * lambda_bound);
   double lambda = __builtin_sqrt(norm2 + 2 * kappa_above);
   double mu = lambda - norm;
   double kappa = mu * (norm + 0.5 * mu);
@@ -359,6 +372,7 @@ inline Root largest_root(double norm2, double det, double adjugate_norm2) {
   for (int i = 0; i < kMaxIterations; ++i) {
     const double h = kappa * kappa - adjugate_norm2 - 2 * det * lambda;
     const double lambda2 = lambda * lambda;
+    if (__builtin_fabs(h) * lambda2 <= kSettled * (xi * xi)) return {true, kappa, lambda, xi};
     const double hq = h * (lambda2 + kappa);
     const double halley = 4 * xi * xi - hq;
     const double step = h * halley / (2 * xi * (halley - hq) + lambda * h * h);
