@@ -141,7 +141,7 @@ void use_linear_weights(const RemovalModel& s, const Linearisation& linear,
 /// set as long as that is far. False when it cannot be built at the start.
 bool settle(const RemovalModel& s, const PackedPoints& points, const Pose& start,
             Linearisation& linear, int& iterations) {
-  if (!linearise(points, start, linear)) return false;
+  if (!linearise(s, points, start, linear)) return false;
   weigh_explaining_sets(s, 0, kProbable, linear);
   for (int move = 0; move < kMaxMoves; ++move) {
     const RemovalSet set = heaviest(linear.sets).set;
@@ -157,7 +157,7 @@ bool settle(const RemovalModel& s, const PackedPoints& points, const Pose& start
     } else if (turn_rad(delta) <= kLongTurnRad) {
       return true;
     }
-    if (!linearise(points, next, linear) && !linearise(points, before, linear)) return false;
+    if (!linearise(s, points, next, linear) && !linearise(s, points, before, linear)) return false;
     weigh_explaining_sets(s, set.size, kProbable, linear);
     const bool is_same = heaviest(linear.sets).set == set;
     if (is_same && turn_rad(delta) <= kLongTurnOfSameSetRad) return true;
@@ -189,9 +189,12 @@ bool has_far_outlier(const RemovalModel& s, const RemovalHypothesis& h) {
 void add_smaller_sets(const RemovalModel& s, const PackedPoints& points, Linearisation& linear,
                       RemovalBranch& branch) {
   if (!s.is_sigma_known || branch.hypotheses.empty()) return;
+  if (const RemovalHypothesis& h = best_of(branch.hypotheses);
+      h.set.size < 2 || !has_far_outlier(s, h)) {
+    return;
+  }
   const RemovalHypothesis best = best_of(branch.hypotheses);
-  if (best.set.size < 2 || !has_far_outlier(s, best)) return;
-  if (!linearise(points, best.pose, linear)) return;
+  if (!linearise(s, points, best.pose, linear)) return;
   std::vector<RemovalSet> subsets = proper_subsets(best.set);
   std::erase_if(subsets, [&branch](const RemovalSet& subset) {
     return std::ranges::any_of(branch.hypotheses,

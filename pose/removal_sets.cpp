@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -87,31 +88,35 @@ std::array<SizeWeight, kMaxRemoved + 1> size_weights(const RemovalModel& s, int 
   return weights;
 }
 
-/// Room for sweeps of up to the most points that may be removed.
-void make_room(const RemovalModel& s, Sweep& sweep) {
+/// For sweeps of up to the most points that may be removed.
+void make_room(const RemovalModel& s, std::size_t stride, Linearisation& linear) {
   const std::size_t n = s.c->size();
   const std::size_t sets = 1 + kernel::swept_room(n, s.max_removed);
-  const std::size_t size = 3 * sets + kernel::sweep_workspace(n, s.max_removed);
-  sweep.room = std::make_unique_for_overwrite<double[]>(size);
-  double* const room = sweep.room.get();
-  sweep.of = {room, room + sets, room + 2 * sets};
+  double* next = linear.room.take(14 * stride + 3 * sets +
+                                  kernel::sweep_workspace(n, s.max_removed));
+  const auto part = [&next](std::size_t size) { return std::exchange(next, next + size); };
+  linear.stride = stride;
+  linear.basis = part(12 * stride);
+  linear.residuals = part(2 * stride);
+  linear.sweep.of.q = part(sets);
+  linear.sweep.of.det = part(sets);
+  linear.sweep.of.weight = part(sets);
+  linear.sweep.workspace = next;
 }
 
 /// All sets of up to max_size points into linear.sweep; `before` as of kernel::sweep_sets.
 void sweep_to(const RemovalModel& s, int max_size, int before, Linearisation& linear) {
   const std::size_t n = s.c->size();
   Sweep& sweep = linear.sweep;
-  if (!sweep.room) make_room(s, sweep);
   sweep.max_size = max_size;
   sweep.count = kernel::set_count(n, max_size) + 1;
   *sweep.of.q = 0;
   *sweep.of.det = 1;
   *sweep.of.weight = 0;
   if (max_size == 0) return;
-  double* const workspace = sweep.of.weight + 1 + kernel::swept_room(n, s.max_removed);
-  kernel::sweep_sets(
-      {n, linear.basis.data(), linear.residuals.data(), s.gamma.data(), s.log_odds.data()},
-      max_size, before, workspace, {sweep.of.q + 1, sweep.of.det + 1, sweep.of.weight + 1});
+  kernel::sweep_sets({n, linear.basis, linear.residuals, s.gamma.data(), s.log_odds.data()},
+                     max_size, before, sweep.workspace,
+                     {sweep.of.q + 1, sweep.of.det + 1, sweep.of.weight + 1});
 }
 
 /// The set of a place in a sweep.
@@ -177,7 +182,7 @@ SetRows rows_of(const Linearisation& linear, const RemovalSet& set) {
   SetRows rows;
   rows.count = 2 * set.size;
   for (int i = 0; i < set.size; ++i) {
-    const double* next = linear.basis.data() + set.points[i];
+    const double* next = linear.basis + set.points[i];
     for (int half = 0; half < 2; ++half) {
       for (int k = 0; k < 6; ++k, next += linear.stride) rows.basis(k, 2 * i + half) = *next;
       rows.residuals[2 * i + half] = linear.residual_at(half, set.points[i]);
@@ -281,13 +286,12 @@ PackedPoints packed(const RemovalModel& s) {
                            : PackedPoints(*s.c, s.information);
 }
 
-bool linearise(const PackedPoints& points, const Pose& pose, Linearisation& linear) {
+bool linearise(const RemovalModel& s, const PackedPoints& points, const Pose& pose,
+               Linearisation& linear) {
   linear.pose = pose;
-  linear.stride = points.lanes().size() * kernel::kLanes;
-  linear.basis.resize(12 * linear.stride);
-  linear.residuals.resize(2 * linear.stride);
+  if (linear.stride == 0) make_room(s, points.lanes().size() * kernel::kLanes, linear);
   return kernel::linearise(points.lanes().data(), points.lanes().size(), rigid_from(pose),
-                           linear.basis.data(), linear.residuals.data(), linear.model);
+                           linear.basis, linear.residuals, linear.model);
 }
 
 void weigh_swept_sets(const RemovalModel& s, Linearisation& linear) {

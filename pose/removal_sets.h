@@ -78,30 +78,51 @@ struct WeighedSet {
   double rss = 0;  ///< of the kept points, whitened
 };
 
-/// What a sweep over the sets of up to max_size points gave, the empty one first, and the room for
-/// it and for its work.
+/// Numbers to work in, not set to anything; as many as up to eight points need without an
+/// allocation.
+class NumberRoom {
+ public:
+  NumberRoom() {}  // NOLINT(modernize-use-equals-default): that would set the numbers to zero
+  NumberRoom(const NumberRoom&) = delete;
+  NumberRoom& operator=(const NumberRoom&) = delete;
+
+  double* take(std::size_t count) {
+    if (count <= kInline) return inline_.data();
+    heap_ = std::make_unique_for_overwrite<double[]>(count);
+    return heap_.get();
+  }
+
+ private:
+  static constexpr std::size_t kInline = 1792;
+  std::array<double, kInline> inline_;
+  std::unique_ptr<double[]> heap_;
+};
+
+/// What a sweep over the sets of up to max_size points gave, the empty one first.
 struct Sweep {
   int max_size = 0;
   std::size_t count = 0;
   kernel::SweptSets of = {};
-  std::unique_ptr<double[]> room;
+  double* workspace = nullptr;
 };
 
 /// A problem linearised at a pose, with the room that the work on it needs.
 struct Linearisation {
   Pose pose;
   kernel::LinearModel model;
-  std::size_t stride = 0;
-  std::vector<double> basis;
-  std::vector<double> residuals;
+  std::size_t stride = 0;  ///< 0: no room yet
+  double* basis = nullptr;
+  double* residuals = nullptr;
   Sweep sweep;
+  NumberRoom room;
   std::vector<WeighedSet> sets;
 
   double residual_at(int half, int i) const { return residuals[half * stride + i]; }
 };
 
 /// False when a point is behind the camera or the points do not determine the pose.
-bool linearise(const PackedPoints& points, const Pose& pose, Linearisation& linear);
+bool linearise(const RemovalModel& s, const PackedPoints& points, const Pose& pose,
+               Linearisation& linear);
 
 /// Weighs all sets of up to `max_size` points into linear.sets, the empty one first. What all sets
 /// of a start have in common is included, so that weights of different starts compare.
