@@ -36,8 +36,7 @@ PackedPoints::PackedPoints(const Correspondences& c, std::size_t lanes) : count_
   }
 }
 
-PackedPoints::PackedPoints(const Correspondences& c, std::span<const double> weights,
-                           double common)
+PackedPoints::PackedPoints(const Correspondences& c, std::span<const double> weights, double common)
     : PackedPoints(c, lanes_for(c.size())) {
   for (std::size_t i = 0; i < c.size(); ++i) {
     kernel::PointLanes& p = data()[i / kernel::kLanes];

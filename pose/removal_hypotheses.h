@@ -51,8 +51,8 @@ bool is_explained(const RemovalModel& s, const RemovalHypothesis& h);
 struct MeanOverRemovals {
   RemovalHypothesis best;
   const RemovalBranch* chosen = nullptr;
-  Pose mean;            ///< cam_from_centred
-  Matrix6d covariance;  ///< of the mean, doubt about the set included
+  Pose mean;                 ///< cam_from_centred
+  Matrix6d covariance;       ///< of the mean, doubt about the set included
   Matrix6d best_covariance;  ///< of the best pose, were its set certain
   double best_probability = 1;
   bool is_ambiguous = false;

@@ -92,8 +92,8 @@ std::array<SizeWeight, kMaxRemoved + 1> size_weights(const RemovalModel& s, int 
 void make_room(const RemovalModel& s, std::size_t stride, Linearisation& linear) {
   const std::size_t n = s.c->size();
   const std::size_t sets = 1 + kernel::swept_room(n, s.max_removed);
-  double* next = linear.room.take(14 * stride + 3 * sets +
-                                  kernel::sweep_workspace(n, s.max_removed));
+  double* next =
+      linear.room.take(14 * stride + 3 * sets + kernel::sweep_workspace(n, s.max_removed));
   const auto part = [&next](std::size_t size) { return std::exchange(next, next + size); };
   linear.stride = stride;
   linear.basis = part(12 * stride);
@@ -245,8 +245,8 @@ WeighedSet weighed(const RemovalModel& s, const Linearisation& linear, std::size
 void weigh_probable_sets(const RemovalModel& s, double least, Linearisation& linear) {
   const Sweep& sweep = linear.sweep;
   const double* const weights = sweep.of.weight;
-  const double least_weight = weights[kernel::largest_of(weights, sweep.count)] +
-                              2 * std::log(least) - kernel::kRoughLog;
+  const double least_weight =
+      weights[kernel::largest_of(weights, sweep.count)] + 2 * std::log(least) - kernel::kRoughLog;
   constexpr std::size_t kUsual = 8;
   linear.sets.clear();
   linear.sets.reserve(kUsual);
@@ -306,8 +306,8 @@ void weigh_swept_sets(const RemovalModel& s, Linearisation& linear) {
     w = weighed(s, linear, place, set);
     if (s.is_sigma_known) continue;
     const SizeWeight& of_size = by_size[set.size];
-    w.log_weight += 0.5 * w.rss + of_size.constant -
-                    of_size.half_nu * std::log(0.5 * (w.rss + prior_sum));
+    w.log_weight +=
+        0.5 * w.rss + of_size.constant - of_size.half_nu * std::log(0.5 * (w.rss + prior_sum));
   }
 }
 
@@ -316,8 +316,7 @@ void weigh_sets(const RemovalModel& s, int max_size, Linearisation& linear) {
   weigh_swept_sets(s, linear);
 }
 
-void weigh_explaining_sets(const RemovalModel& s, int fewest, double least,
-                           Linearisation& linear) {
+void weigh_explaining_sets(const RemovalModel& s, int fewest, double least, Linearisation& linear) {
   if (!s.is_sigma_known) return weigh_sets(s, s.max_removed, linear);
   int before = 0;
   for (int k = std::min(fewest, s.max_removed);; ++k) {

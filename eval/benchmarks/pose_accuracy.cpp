@@ -339,14 +339,13 @@ std::string line_of(const AccuracyTally& t) {
   return fmt::format("{:7.2f} {:7.3f} {:7.3f} {:7.2f} {:9.2f} {:8.2f} {:8.2f} {:8.2f} {:9.4f}",
                      100 * t.right / draws, std::sqrt(t.squares / t.oracle_squares),
                      std::sqrt(t.angles2 / t.oracle_angles2), t.nees / right,
-                     1000 * t.unflagged / draws, 100 * t.second / draws,
-                     100 * t.beaten / draws, 100 * t.flagged_right / draws,
-                     1e3 * t.seconds / draws);
+                     1000 * t.unflagged / draws, 100 * t.second / draws, 100 * t.beaten / draws,
+                     100 * t.flagged_right / draws, 1e3 * t.seconds / draws);
 }
 
 void print_table(const Request& request) {
-  fmt::print("{:>10} {:>6} {:>8} {:>16} {:>7} {:>7} {:>7} {:>7} {:>9} {:>8} {:>8} {:>8} {:>9}\n", "cell",
-             "target", "noise", "solver", "right/%", "r", "r (all)", "NEES", "unflagged",
+  fmt::print("{:>10} {:>6} {:>8} {:>16} {:>7} {:>7} {:>7} {:>7} {:>9} {:>8} {:>8} {:>8} {:>9}\n",
+             "cell", "target", "noise", "solver", "right/%", "r", "r (all)", "NEES", "unflagged",
              "second/%", "beaten/%", "flagged", "CPU/ms");
   for (const Cell& cell : request.cells) {
     for (const bool is_planar : {false, true}) {

@@ -191,10 +191,9 @@ PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const F
   estimate.removed.assign(removed.span().begin(), removed.span().end());
   const double variance = few.points.sigma * few.points.sigma;
   estimate.covariance = covariance_from_centred(mean.covariance, mean.mean, c);
-  estimate.unit_covariance =
-      is_certain(mean) && !few.is_whitened()
-          ? Matrix6d(*estimate.covariance / variance)
-          : covariance_from_centred(kept.unit_covariance, mean.mean, c);
+  estimate.unit_covariance = is_certain(mean) && !few.is_whitened()
+                                 ? Matrix6d(*estimate.covariance / variance)
+                                 : covariance_from_centred(kept.unit_covariance, mean.mean, c);
   estimate.iterations = mean.chosen->iterations;
   estimate.residual_rms_px = std::sqrt(at.kept_squares / (2 * count));
   estimate.noise_px = few.points.sigma;

@@ -367,10 +367,9 @@ inline Root largest_root(double norm2, double det, double adjugate_norm2) {
   const double norm = __builtin_sqrt(norm2);
   const double per_norm2 = 1 / norm2;
   const double two_det = det + __builtin_fabs(det);  // no branch: n = 3 tosses coins
-  const double lambda_bound =
-      (adjugate_norm2 + two_det * (kSqrt3 * norm)) *
-          (0.5 / (kKappa * kLambda) * per_norm2 * per_norm2 * norm) +
-      (0.5 * (1 + kKappa) / kLambda + 0.5 * kLambda) * norm;
+  const double lambda_bound = (adjugate_norm2 + two_det * (kSqrt3 * norm)) *
+                                  (0.5 / (kKappa * kLambda) * per_norm2 * per_norm2 * norm) +
+                              (0.5 * (1 + kKappa) / kLambda + 0.5 * kLambda) * norm;
   const double kappa_above = __builtin_sqrt(adjugate_norm2 + two_det * lambda_bound);
   double lambda = __builtin_sqrt(norm2 + 2 * kappa_above);
   double mu = lambda - norm;

@@ -89,8 +89,9 @@ TEST(RemovalKernel, SweepEqualsDenseAlgebraForEverySet) {
       ASSERT_EQ(kernel::set_count(n, max_size), sets.size());
       const std::size_t room = kernel::swept_room(n, max_size);
       std::vector<double> q(room), det(room), weight(room);
-      kernel::sweep_sets({k.c.size(), basis.data(), residuals.data(), gamma.data(), log_odds.data()},
-                         max_size, before, workspace.data(), {q.data(), det.data(), weight.data()});
+      kernel::sweep_sets(
+          {k.c.size(), basis.data(), residuals.data(), gamma.data(), log_odds.data()}, max_size,
+          before, workspace.data(), {q.data(), det.data(), weight.data()});
       before = max_size;
       for (std::size_t i = 0; i < sets.size(); ++i) {
         const int size = static_cast<int>(2 * sets[i].size());
