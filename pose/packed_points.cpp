@@ -13,16 +13,6 @@ std::size_t lanes_for(std::size_t points) {
   return (points + kernel::kLanes - 1) / kernel::kLanes;
 }
 
-/// From an upper triangle row by row.
-Matrix6d symmetric_from(const double (&upper)[21]) {
-  Matrix6d m;
-  const double* next = upper;
-  for (int row = 0; row < 6; ++row) {
-    for (int column = row; column < 6; ++column) m(row, column) = m(column, row) = *next++;
-  }
-  return m;
-}
-
 }  // namespace
 
 PackedPoints::PackedPoints(const Correspondences& c, std::size_t lanes) : count_(lanes) {
@@ -46,12 +36,12 @@ PackedPoints::PackedPoints(const Correspondences& c, std::size_t lanes) : count_
   }
 }
 
-PackedPoints::PackedPoints(const Correspondences& c, std::span<const double> weights)
+PackedPoints::PackedPoints(const Correspondences& c, std::span<const double> weights, double common)
     : PackedPoints(c, lanes_for(c.size())) {
   for (std::size_t i = 0; i < c.size(); ++i) {
     kernel::PointLanes& p = data()[i / kernel::kLanes];
     const std::size_t lane = i % kernel::kLanes;
-    const double weight = weights.empty() ? 1.0 : weights[i];
+    const double weight = weights.empty() ? common : common * weights[i];
     p.w_uu[lane] = weight * c.fx_px * c.fx_px;
     p.w_uv[lane] = 0;
     p.w_vv[lane] = weight * c.fy_px * c.fy_px;
@@ -92,6 +82,17 @@ kernel::RigidPose rigid_from(const Pose& pose) {
   Eigen::Map<RowMajor3d>(rigid.rotation) = pose.rotation;
   Eigen::Map<Eigen::Vector3d>(rigid.translation) = pose.translation;
   return rigid;
+}
+
+Matrix6d symmetric_from(const double (&upper)[21]) {
+  Matrix6d m;
+  const double* next = upper;
+#pragma GCC unroll 6
+  for (int row = 0; row < 6; ++row) {
+#pragma GCC unroll 6
+    for (int column = row; column < 6; ++column) m(row, column) = m(column, row) = *next++;
+  }
+  return m;
 }
 
 Matrix6d hessian_of(const kernel::NormalEquations& model) {

@@ -25,8 +25,9 @@ namespace sightline {
 class PackedPoints {
  public:
   /// Packs points whose squared residuals are multiplied by `weights`; none means ones. A point of
-  /// weight zero is not looked at.
-  explicit PackedPoints(const Correspondences& c, std::span<const double> weights = {});
+  /// weight zero is not looked at. All are multiplied by `common` too.
+  explicit PackedPoints(const Correspondences& c, std::span<const double> weights = {},
+                        double common = 1);
   /// Packs points whose squared residual is r^T W r, with a symmetric matrix W for each point.
   PackedPoints(const Correspondences& c, std::span<const Eigen::Matrix2d> weights);
 
@@ -53,6 +54,9 @@ class PackedPoints {
 /// A pose from the kernel's plain arrays, and back.
 Pose pose_from(const kernel::RigidPose& pose);
 kernel::RigidPose rigid_from(const Pose& pose);
+
+/// A symmetric matrix from its upper triangle, row by row.
+Matrix6d symmetric_from(const double (&upper)[21]);
 
 /// A model's Hessian in full.
 Matrix6d hessian_of(const kernel::NormalEquations& model);

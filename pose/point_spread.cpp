@@ -13,6 +13,23 @@ Eigen::Vector3d mean_of(std::span<const Eigen::Vector3d> points) {
   return sum / static_cast<double>(points.size());
 }
 
+Eigen::Matrix3d Moments::matrix() const {
+  Eigen::Matrix3d m;
+  m << xx, xy, xz, xy, yy, yz, xz, yz, zz;
+  return m;
+}
+
+Eigen::Matrix3d moments_of(std::span<const Eigen::Vector3d> points) {
+  Moments moments;
+  for (const Eigen::Vector3d& p : points) moments.add(p);
+  return moments.matrix();
+}
+
+double second_invariant(const Eigen::Matrix3d& m) {
+  return m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) - m(0, 2) * m(0, 2) +
+         m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
+}
+
 PointSpread spread_of(std::span<const Eigen::Vector3d> points) {
   PointSpread spread;
   spread.mean = mean_of(points);

@@ -73,13 +73,13 @@ std::optional<RemovalHypothesis> fitted(const RemovalModel& s, const PackedPoint
   if (!h) return std::nullopt;
   h->set = set;
   for (int i = 0; i < set.size; ++i) {
-    const PointPrior& prior = s.points[set.points[i]];
-    const std::optional<Eigen::Vector2d> r = residual_px(*s.c, set.points[i], h->pose);
+    const int point = set.points[i];
+    const std::optional<Eigen::Vector2d> r = residual_px(*s.c, point, h->pose);
     if (!r) return std::nullopt;
-    const double f = r->dot(prior.information * *r);
+    const double f = s.squared(point, *r);
     h->rss -= weight[i] * f;
     h->log_weight += 0.5 * weight[i] * f;
-    h->log_weight += prior.log_odds - 2 * std::log1p(0.5 * f * prior.gamma);
+    h->log_weight += s.log_odds[point] - 2 * std::log1p(0.5 * f * s.gamma[point]);
   }
   return h;
 }
@@ -88,6 +88,7 @@ std::vector<RemovalHypothesis> fit_all(const RemovalModel& s, const PackedPoints
                                        const Linearisation& linear,
                                        std::span<const RemovalSet> sets, int& iterations) {
   std::vector<RemovalHypothesis> hypotheses;
+  hypotheses.reserve(sets.size());
   for (const RemovalSet& set : sets) {
     const std::optional<RemovalHypothesis> h = fitted(s, points, linear, set, iterations);
     if (h) hypotheses.push_back(*h);
@@ -140,14 +141,15 @@ void use_linear_weights(const RemovalModel& s, const Linearisation& linear,
 /// set as long as that is far. False when it cannot be built at the start.
 bool settle(const RemovalModel& s, const PackedPoints& points, const Pose& start,
             Linearisation& linear, int& iterations) {
-  if (!linearise(points, start, linear)) return false;
-  weigh_explaining_sets(s, linear);
+  if (!linearise(s, points, start, linear)) return false;
+  weigh_explaining_sets(s, 0, kProbable, linear);
   for (int move = 0; move < kMaxMoves; ++move) {
     const RemovalSet set = heaviest(linear.sets).set;
     const Vector6d delta = step_of(s, linear, set).delta;
     const Pose before = linear.pose;
     Pose next = retract(before, delta);
     if (move == 0 && turn_rad(delta) > kTooLongTurnRad) {
+      weigh_swept_sets(s, linear);
       const auto sets = least_residual_sets(linear.sets, s.max_removed);
       const auto hypotheses = fit_all(s, points, linear, sets, iterations);
       if (hypotheses.empty()) return true;
@@ -155,8 +157,8 @@ bool settle(const RemovalModel& s, const PackedPoints& points, const Pose& start
     } else if (turn_rad(delta) <= kLongTurnRad) {
       return true;
     }
-    if (!linearise(points, next, linear) && !linearise(points, before, linear)) return false;
-    weigh_explaining_sets(s, linear);
+    if (!linearise(s, points, next, linear) && !linearise(s, points, before, linear)) return false;
+    weigh_explaining_sets(s, set.size, kProbable, linear);
     const bool is_same = heaviest(linear.sets).set == set;
     if (is_same && turn_rad(delta) <= kLongTurnOfSameSetRad) return true;
   }
@@ -178,7 +180,7 @@ std::vector<RemovalSet> proper_subsets(const RemovalSet& set) {
 bool has_far_outlier(const RemovalModel& s, const RemovalHypothesis& h) {
   return std::ranges::any_of(h.set.span(), [&](int i) {
     const std::optional<Eigen::Vector2d> r = residual_px(*s.c, i, h.pose);
-    return !r || r->dot(s.points[i].information * *r) * s.points[i].gamma > kFarBeyondSlab2;
+    return !r || s.squared(i, *r) * s.gamma[i] > kFarBeyondSlab2;
   });
 }
 
@@ -187,9 +189,12 @@ bool has_far_outlier(const RemovalModel& s, const RemovalHypothesis& h) {
 void add_smaller_sets(const RemovalModel& s, const PackedPoints& points, Linearisation& linear,
                       RemovalBranch& branch) {
   if (!s.is_sigma_known || branch.hypotheses.empty()) return;
+  if (const RemovalHypothesis& h = best_of(branch.hypotheses);
+      h.set.size < 2 || !has_far_outlier(s, h)) {
+    return;
+  }
   const RemovalHypothesis best = best_of(branch.hypotheses);
-  if (best.set.size < 2 || !has_far_outlier(s, best)) return;
-  if (!linearise(points, best.pose, linear)) return;
+  if (!linearise(s, points, best.pose, linear)) return;
   std::vector<RemovalSet> subsets = proper_subsets(best.set);
   std::erase_if(subsets, [&branch](const RemovalSet& subset) {
     return std::ranges::any_of(branch.hypotheses,
@@ -231,7 +236,9 @@ const RemovalHypothesis& best_of(const std::vector<RemovalHypothesis>& hypothese
 
 bool is_explained(const RemovalModel& s, const RemovalHypothesis& h) {
   const int degrees = s.degrees(h.set.size);
-  return degrees <= 0 || chi_square_survival(h.rss, degrees) >= kTestLevel;
+  // Two deviations above the mean the survival is above kTestLevel for any number of degrees.
+  if (degrees <= 0 || h.rss <= degrees + 2 * std::sqrt(2.0 * degrees)) return true;
+  return chi_square_survival(h.rss, degrees) >= kTestLevel;
 }
 
 RemovalBranch removals_from(const RemovalModel& s, const PackedPoints& points, const Pose& start,
@@ -245,7 +252,7 @@ RemovalBranch removals_from(const RemovalModel& s, const PackedPoints& points, c
   }
   if (s.is_sigma_known && 2 * fit.model.cost <= noise_like_rss(s.degrees(0))) {
     const auto all_kept = fitted(points, pose_from(fit.pose), branch.iterations);
-    if (all_kept) branch.hypotheses = {*all_kept};
+    if (all_kept) branch.hypotheses.push_back(*all_kept);
     branch.status = all_kept ? PoseStatus::kOk : PoseStatus::kDiverged;
     return branch;
   }
@@ -271,7 +278,7 @@ RemovalBranch removals_from(const RemovalModel& s, const PackedPoints& points, c
   return branch;
 }
 
-std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBranch>& branches,
+std::optional<MeanOverRemovals> mean_over_removals(std::span<const RemovalBranch> branches,
                                                    const RemovalModel& s) {
   const RemovalBranch* chosen = nullptr;
   for (const RemovalBranch& b : branches) {
@@ -281,14 +288,19 @@ std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBran
     }
   }
   const RemovalHypothesis& best = best_of(chosen->hypotheses);
-  MeanOverRemovals answer = {best, chosen, best.pose, Matrix6d::Zero(), 1, false};
+  const std::optional<Matrix6d> unit_covariance = inverse_of(best.model);
+  if (!unit_covariance) return std::nullopt;
   const double variance = noise_variance(s, best);
+  const Matrix6d of_best = variance * *unit_covariance;
+  MeanOverRemovals answer = {best, chosen, best.pose, of_best, of_best};
+  if (branches.size() == 1 && chosen->hypotheses.size() == 1) return answer;
 
   double total = 0;
   double of_chosen = 0;
-  double of_best = 0;
+  double of_best_set = 0;
   double far = 0;
   Vector6d mean = Vector6d::Zero();
+  Matrix6d squares = Matrix6d::Zero();  // about the best one
   for (const RemovalBranch& b : branches) {
     for (const RemovalHypothesis& h : b.hypotheses) {
       const double weight = std::exp(h.log_weight - best.log_weight);
@@ -299,26 +311,27 @@ std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBran
       // Another start may lead to the same minimum: it counts once.
       if (&b != chosen && is_of_best_set && turn_rad(delta) < kCoarseStep) continue;
       total += weight;
-      if (is_of_best_set) of_best += weight;
+      if (is_of_best_set) of_best_set += weight;
       if (&b == chosen) of_chosen += weight;
       if (is_best) continue;
       if (quadratic_form(best.model.hessian, delta) > kAmbiguousDistance2 * variance) far += weight;
-      if (&b == chosen) mean += weight * delta;
+      if (&b != chosen) continue;
+      mean += weight * delta;
+      squares.noalias() += weight * delta * delta.transpose();
     }
   }
   mean /= of_chosen;
+  answer.covariance /= of_chosen;
   for (const RemovalHypothesis& h : chosen->hypotheses) {
     const double share = std::exp(h.log_weight - best.log_weight) / of_chosen;
-    const std::optional<Matrix6d> covariance = inverse_of(h.model);
-    if (!covariance && &h == &best) return std::nullopt;
-    if (!covariance) continue;
-    answer.covariance += share * noise_variance(s, h) * *covariance;
-    if (chosen->hypotheses.size() == 1) break;
-    const Vector6d off = change_between(best.pose, h.pose) - mean;
-    answer.covariance += share * off * off.transpose();
+    const auto covariance = &h == &best ? std::nullopt : inverse_of(h.model);
+    if (covariance) answer.covariance += share * noise_variance(s, h) * *covariance;
   }
-  if (chosen->hypotheses.size() > 1) answer.mean = retract(best.pose, mean);
-  answer.best_probability = of_best / total;
+  if (chosen->hypotheses.size() > 1) {
+    answer.covariance += squares / of_chosen - mean * mean.transpose();
+    answer.mean = retract(best.pose, mean);
+  }
+  answer.best_probability = of_best_set / total;
   answer.is_ambiguous = far > kAmbiguousShare * total;
   return answer;
 }
@@ -334,18 +347,25 @@ bool has_kept_in_front(const Correspondences& c, const RemovalSet& removed, cons
 std::optional<FitOfKept> fit_kept(const RemovalModel& s, const PackedPoints& points,
                                   const RemovalHypothesis& best) {
   FitOfKept result = {best.pose, Matrix6d::Zero()};
+  kernel::NormalEquations model = best.model;
   if (best.set.size > 0) {
     PackedPoints kept = points;
     for (const int i : best.set.span()) kept.scale_weight(i, 0);
     const kernel::Fit fit = kept.fit(best.pose, kMaxIterations, kFineStep);
     if (fit.status != kernel::FitStatus::kConverged) return std::nullopt;
     result.pose = pose_from(fit.pose);
+    model = fit.model;
   }
-  std::vector<double> ones(s.c->size(), 1.0);
-  for (const int i : best.set.span()) ones[i] = 0;
-  const std::optional<Matrix6d> information = information_at(PackedPoints(*s.c, ones), result.pose);
-  if (!information) return std::nullopt;
-  const std::optional<Matrix6d> unit_covariance = inverse_information(*information);
+  std::optional<Matrix6d> unit_covariance;
+  if (s.common_variance) {
+    unit_covariance = inverse_of(model);
+    if (unit_covariance) *unit_covariance /= *s.common_variance;
+  } else {
+    std::vector<double> ones(s.c->size(), 1.0);
+    for (const int i : best.set.span()) ones[i] = 0;
+    const auto information = information_at(PackedPoints(*s.c, ones), result.pose);
+    if (information) unit_covariance = inverse_information(*information);
+  }
   if (!unit_covariance) return std::nullopt;
   result.unit_covariance = *unit_covariance;
   return result;

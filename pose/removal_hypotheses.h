@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "pose/packed_points.h"
@@ -50,15 +51,16 @@ bool is_explained(const RemovalModel& s, const RemovalHypothesis& h);
 struct MeanOverRemovals {
   RemovalHypothesis best;
   const RemovalBranch* chosen = nullptr;
-  Pose mean;            ///< cam_from_centred
-  Matrix6d covariance;  ///< of the mean, doubt about the set included
+  Pose mean;                 ///< cam_from_centred
+  Matrix6d covariance;       ///< of the mean, doubt about the set included
+  Matrix6d best_covariance;  ///< of the best pose, were its set certain
   double best_probability = 1;
   bool is_ambiguous = false;
 };
 
 /// None where the best hypothesis leaves the pose undetermined. One branch at least must have a
 /// hypothesis.
-std::optional<MeanOverRemovals> mean_over_removals(const std::vector<RemovalBranch>& branches,
+std::optional<MeanOverRemovals> mean_over_removals(std::span<const RemovalBranch> branches,
                                                    const RemovalModel& s);
 
 /// Least squares on exactly the points that a hypothesis keeps.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/LU>
 
@@ -26,9 +27,13 @@ int own_removal_limit(int n, const OutlierOptions& options) {
   return limit;
 }
 
-/// `information`: the inverse covariance of an inlier.
-PointPrior prior_of(const Eigen::Matrix2d& information, bool is_sigma_known,
-                    const OutlierOptions& options) {
+/// Of outliers, before any point is looked at.
+struct SlabLaw {
+  double odds;
+  double scale_px2;
+};
+
+SlabLaw slab_law(const OutlierOptions& options) {
   constexpr double kLeastProbability = 1e-9;
   constexpr double kLeastScalePx = 1e-12;  // in any unit
   constexpr double kLargestScalePx = 1e9;
@@ -36,17 +41,22 @@ PointPrior prior_of(const Eigen::Matrix2d& information, bool is_sigma_known,
   const double probability = options.probability > kLeastProbability
                                  ? std::min(options.probability, 1 - kLeastProbability)
                                  : kLeastProbability;
-  const double odds = probability / (1 - probability);
   const double scale_px = options.scale_px > kLeastScalePx
                               ? std::min(options.scale_px, kLargestScalePx)
                               : kLeastScalePx;
-  const double slab_px2 = scale_px * scale_px;
-  PointPrior prior;
-  prior.information = information;
-  prior.gamma =
-      is_sigma_known ? 1 / (slab_px2 * std::sqrt(information.determinant())) : kUnknownGamma;
-  prior.log_odds = std::log(odds * (is_sigma_known ? prior.gamma : 1 / slab_px2));
-  return prior;
+  return {probability / (1 - probability), scale_px * scale_px};
+}
+
+/// What is known of a point before its residual is, by the inverse covariance of an inlier.
+struct PointPrior {
+  double gamma;
+  double log_odds;
+};
+
+PointPrior prior_of(const Eigen::Matrix2d& information, bool is_sigma_known, const SlabLaw& slab) {
+  const double of_known = 1 / (slab.scale_px2 * std::sqrt(information.determinant()));
+  if (is_sigma_known) return {of_known, std::log(slab.odds * of_known)};
+  return {kUnknownGamma, std::log(slab.odds / slab.scale_px2)};
 }
 
 /// The next in the order of kernel::sweep_sets; of the empty set the first.
@@ -78,20 +88,52 @@ std::array<SizeWeight, kMaxRemoved + 1> size_weights(const RemovalModel& s, int 
   return weights;
 }
 
-/// q of every set of up to `max_size` points, then det of each; both begin with the empty set.
-std::span<const double> sweep(const RemovalModel& s, int max_size, Linearisation& linear) {
+/// For sweeps of up to the most points that may be removed.
+void make_room(const RemovalModel& s, std::size_t stride, Linearisation& linear) {
   const std::size_t n = s.c->size();
-  const std::size_t count = kernel::set_count(n, max_size) + 1;
-  linear.sweep.resize(2 * count + kernel::sweep_workspace(n, max_size));
-  double* const q = linear.sweep.data();
-  double* const det = q + count;
-  q[0] = 0;
-  det[0] = 1;
-  if (max_size > 0) {
-    kernel::sweep_sets(n, linear.basis.data(), linear.residuals.data(), s.gamma.data(), max_size,
-                       det + count, q + 1, det + 1);
+  const std::size_t sets = 1 + kernel::swept_room(n, s.max_removed);
+  double* next =
+      linear.room.take(14 * stride + 3 * sets + kernel::sweep_workspace(n, s.max_removed));
+  const auto part = [&next](std::size_t size) { return std::exchange(next, next + size); };
+  linear.stride = stride;
+  linear.basis = part(12 * stride);
+  linear.residuals = part(2 * stride);
+  linear.sweep.of.q = part(sets);
+  linear.sweep.of.det = part(sets);
+  linear.sweep.of.weight = part(sets);
+  linear.sweep.workspace = next;
+}
+
+/// All sets of up to max_size points into linear.sweep; `before` as of kernel::sweep_sets.
+void sweep_to(const RemovalModel& s, int max_size, int before, Linearisation& linear) {
+  const std::size_t n = s.c->size();
+  Sweep& sweep = linear.sweep;
+  sweep.max_size = max_size;
+  sweep.count = kernel::set_count(n, max_size) + 1;
+  *sweep.of.q = 0;
+  *sweep.of.det = 1;
+  *sweep.of.weight = 0;
+  if (max_size == 0) return;
+  kernel::sweep_sets({n, linear.basis, linear.residuals, s.gamma.data(), s.log_odds.data()},
+                     max_size, before, sweep.workspace,
+                     {sweep.of.q + 1, sweep.of.det + 1, sweep.of.weight + 1});
+}
+
+/// The set of a place in a sweep.
+RemovalSet set_at(std::size_t place, int n, int max_size) {
+  RemovalSet set;
+  for (int next = 0; place > 0; ++next) {
+    --place;  // the set so far
+    for (;; ++next) {
+      const int left = max_size - set.size - 1;
+      const std::size_t with_next =
+          1 + kernel::set_count(static_cast<std::size_t>(n - next - 1), left);
+      if (place < with_next) break;
+      place -= with_next;
+    }
+    set.points[set.size++] = static_cast<unsigned short>(next);
   }
-  return {q, 2 * count};
+  return set;
 }
 
 /// A symmetric system of a few unknowns, solved in place. Positive definite by what is added to its
@@ -103,47 +145,114 @@ struct SmallSystem {
   std::array<std::array<double, kMax>, kMax> m;  ///< lower triangle
   std::array<double, kMax> r;
 
-  /// The solution with slab[i / 2] added to the diagonal (Cholesky).
+  /// The solution with slab[i / 2] added to the diagonal (L D L^T).
   std::array<double, kMax> solved(const std::array<double, kMaxRemoved>& slab) const {
     std::array<std::array<double, kMax>, kMax> l;
-    std::array<double, kMax> x;
+    std::array<double, kMax> inverse_d, x;
     for (int i = 0; i < size; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        double sum = m[i][j] + (i == j ? slab[i / 2] : 0.0);
-        for (int k = 0; k < j; ++k) sum -= l[i][k] * l[j][k];
-        l[i][j] = i == j ? std::sqrt(sum) : sum / l[j][j];
+      double d = m[i][i] + slab[i / 2];
+      x[i] = r[i];
+      for (int j = 0; j < i; ++j) {
+        // Above the diagonal l[k][i] is l[i][k] d_k.
+        double undivided = m[i][j];
+        for (int k = 0; k < j; ++k) undivided -= l[k][i] * l[j][k];
+        l[j][i] = undivided;
+        l[i][j] = undivided * inverse_d[j];
+        d -= l[i][j] * undivided;
+        x[i] -= l[i][j] * x[j];
       }
-      double sum = r[i];
-      for (int k = 0; k < i; ++k) sum -= l[i][k] * x[k];
-      x[i] = sum / l[i][i];
+      inverse_d[i] = 1 / d;
     }
     for (int i = size - 1; i >= 0; --i) {
+      x[i] *= inverse_d[i];
       for (int k = i + 1; k < size; ++k) x[i] -= l[k][i] * x[k];
-      x[i] /= l[i][i];
     }
     return x;
   }
 };
 
-/// From what sweep() gave.
-void weigh_swept_sets(const RemovalModel& s, int max_size, std::span<const double> q_then_det,
-                      Linearisation& linear) {
-  const std::size_t count = q_then_det.size() / 2;
-  const auto by_size = size_weights(s, max_size);
-  const double prior_sum = kPriorDegrees * kPriorSigmaPx * kPriorSigmaPx;
-  linear.sets.resize(count);
-  RemovalSet set;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i > 0) set = next_set(set, s.n(), max_size);
-    WeighedSet& w = linear.sets[i];
-    w.set = set;
-    w.rss = std::max(linear.model.rss - q_then_det[i], 0.0);
-    w.log_weight = -0.5 * (std::log(q_then_det[count + i]) + linear.model.log_det);
-    for (const int point : set.span()) w.log_weight += s.points[point].log_odds;
-    const SizeWeight& of_size = by_size[set.size];
-    w.log_weight += s.is_sigma_known
-                        ? -0.5 * w.rss
-                        : of_size.constant - of_size.half_nu * std::log(0.5 * (w.rss + prior_sum));
+/// The rows of a set's points, in columns: of each point that of u, then that of v.
+struct SetRows {
+  int count = 0;
+  Eigen::Matrix<double, 6, SmallSystem::kMax> basis;
+  std::array<double, SmallSystem::kMax> residuals;
+};
+
+SetRows rows_of(const Linearisation& linear, const RemovalSet& set) {
+  SetRows rows;
+  rows.count = 2 * set.size;
+  for (int i = 0; i < set.size; ++i) {
+    const double* next = linear.basis + set.points[i];
+    for (int half = 0; half < 2; ++half) {
+      for (int k = 0; k < 6; ++k, next += linear.stride) rows.basis(k, 2 * i + half) = *next;
+      rows.residuals[2 * i + half] = linear.residual_at(half, set.points[i]);
+    }
+  }
+  return rows;
+}
+
+/// M of a set's points, and their residuals.
+SmallSystem system_of(const SetRows& rows) {
+  SmallSystem system;
+  system.size = rows.count;
+  for (int a = 0; a < rows.count; ++a) {
+    system.r[a] = rows.residuals[a];
+    for (int b = 0; b < a; ++b) system.m[a][b] = -rows.basis.col(a).dot(rows.basis.col(b));
+    system.m[a][a] = 1 - rows.basis.col(a).squaredNorm();
+  }
+  return system;
+}
+
+std::array<double, kMaxRemoved> gammas_of(const RemovalModel& s, const RemovalSet& set) {
+  std::array<double, kMaxRemoved> gammas;
+  for (int i = 0; i < set.size; ++i) gammas[i] = s.gamma[set.points[i]];
+  return gammas;
+}
+
+/// Whether some set of the sweep leaves what looks like noise. What is left of rss - q, which holds
+/// the slab's part for outliers far out, is that of the points kept alone.
+bool is_explained_by_sweep(const RemovalModel& s, const Linearisation& linear) {
+  const Sweep& sweep = linear.sweep;
+  const double bound = noise_like_rss(s.degrees(sweep.max_size));
+  if (sweep.max_size == 0) return linear.model.rss <= bound;
+  const std::size_t place = kernel::largest_of(sweep.of.q, sweep.count);
+  const double all = linear.model.rss - sweep.of.q[place];
+  if (all <= bound) return true;
+  const RemovalSet set = set_at(place, s.n(), sweep.max_size);
+  const auto gammas = gammas_of(s, set);
+  // The outliers' errors, free of noise: their slab's part is gamma of their squares, and their own
+  // noise's gamma^2.
+  const auto errors = system_of(rows_of(linear, set)).solved(gammas);
+  double of_outliers = 0;
+  for (int i = 0; i < set.size; ++i) {
+    const double e2 = errors[2 * i] * errors[2 * i] + errors[2 * i + 1] * errors[2 * i + 1];
+    of_outliers += gammas[i] * (1 + gammas[i]) * e2;
+  }
+  return all - of_outliers <= bound;
+}
+
+/// Where the noise is known.
+WeighedSet weighed(const RemovalModel& s, const Linearisation& linear, std::size_t place,
+                   const RemovalSet& set) {
+  WeighedSet w;
+  w.set = set;
+  w.rss = std::max(linear.model.rss - linear.sweep.of.q[place], 0.0);
+  w.log_weight = -0.5 * (w.rss + std::log(linear.sweep.of.det[place]) + linear.model.log_det);
+  for (const int point : set.span()) w.log_weight += s.log_odds[point];
+  return w;
+}
+
+void weigh_probable_sets(const RemovalModel& s, double least, Linearisation& linear) {
+  const Sweep& sweep = linear.sweep;
+  const double* const weights = sweep.of.weight;
+  const double least_weight =
+      weights[kernel::largest_of(weights, sweep.count)] + 2 * std::log(least) - kernel::kRoughLog;
+  constexpr std::size_t kUsual = 8;
+  linear.sets.clear();
+  linear.sets.reserve(kUsual);
+  for (std::size_t place = 0; place < sweep.count; ++place) {
+    if (weights[place] < least_weight) continue;
+    linear.sets.push_back(weighed(s, linear, place, set_at(place, s.n(), sweep.max_size)));
   }
 }
 
@@ -154,46 +263,68 @@ RemovalModel removal_model(const WhitenedCorrespondences& c, const OutlierOption
   s.c = &c.points;
   s.is_sigma_known = c.sigma > 0;
   s.max_removed = own_removal_limit(s.n(), options);
-  const double variance = s.is_sigma_known ? c.sigma * c.sigma : 1;
-  const Eigen::Matrix2d common = Eigen::Matrix2d::Identity() / variance;
-  s.points.assign(c.size(), prior_of(common, s.is_sigma_known, options));
-  for (std::size_t i = 0; i < c.whitening.size(); ++i) {
-    s.points[i] = prior_of(c.whitening[i].transpose() * c.whitening[i], true, options);
+  const SlabLaw slab = slab_law(options);
+  if (c.whitening.empty()) {
+    s.common_variance = s.is_sigma_known ? c.sigma * c.sigma : 1;
+    const Eigen::Matrix2d information = Eigen::Matrix2d::Identity() / *s.common_variance;
+    const PointPrior prior = prior_of(information, s.is_sigma_known, slab);
+    s.gamma.assign(c.size(), prior.gamma);
+    s.log_odds.assign(c.size(), prior.log_odds);
+    return s;
   }
-  for (const PointPrior& prior : s.points) s.gamma.push_back(prior.gamma);
+  for (const Eigen::Matrix2d& whitening : c.whitening) {
+    s.information.emplace_back(whitening.transpose() * whitening);
+    const PointPrior prior = prior_of(s.information.back(), true, slab);
+    s.gamma.push_back(prior.gamma);
+    s.log_odds.push_back(prior.log_odds);
+  }
   return s;
 }
 
 PackedPoints packed(const RemovalModel& s) {
-  std::vector<Eigen::Matrix2d> weights;
-  weights.reserve(s.points.size());
-  for (const PointPrior& prior : s.points) weights.push_back(prior.information);
-  return PackedPoints(*s.c, weights);
+  return s.common_variance ? PackedPoints(*s.c, {}, 1 / *s.common_variance)
+                           : PackedPoints(*s.c, s.information);
 }
 
-bool linearise(const PackedPoints& points, const Pose& pose, Linearisation& linear) {
+bool linearise(const RemovalModel& s, const PackedPoints& points, const Pose& pose,
+               Linearisation& linear) {
   linear.pose = pose;
-  linear.stride = points.lanes().size() * kernel::kLanes;
-  linear.basis.resize(12 * linear.stride);
-  linear.residuals.resize(2 * linear.stride);
+  if (linear.stride == 0) make_room(s, points.lanes().size() * kernel::kLanes, linear);
   return kernel::linearise(points.lanes().data(), points.lanes().size(), rigid_from(pose),
-                           linear.basis.data(), linear.residuals.data(), linear.model);
+                           linear.basis, linear.residuals, linear.model);
+}
+
+void weigh_swept_sets(const RemovalModel& s, Linearisation& linear) {
+  const Sweep& sweep = linear.sweep;
+  const auto by_size = size_weights(s, sweep.max_size);
+  const double prior_sum = kPriorDegrees * kPriorSigmaPx * kPriorSigmaPx;
+  linear.sets.resize(sweep.count);
+  RemovalSet set;
+  for (std::size_t place = 0; place < sweep.count; ++place) {
+    if (place > 0) set = next_set(set, s.n(), sweep.max_size);
+    WeighedSet& w = linear.sets[place];
+    w = weighed(s, linear, place, set);
+    if (s.is_sigma_known) continue;
+    const SizeWeight& of_size = by_size[set.size];
+    w.log_weight +=
+        0.5 * w.rss + of_size.constant - of_size.half_nu * std::log(0.5 * (w.rss + prior_sum));
+  }
 }
 
 void weigh_sets(const RemovalModel& s, int max_size, Linearisation& linear) {
-  weigh_swept_sets(s, max_size, sweep(s, max_size, linear), linear);
+  sweep_to(s, max_size, 0, linear);
+  weigh_swept_sets(s, linear);
 }
 
-void weigh_explaining_sets(const RemovalModel& s, Linearisation& linear) {
-  for (int k = s.is_sigma_known ? 0 : s.max_removed;; ++k) {
-    const std::span<const double> numbers = sweep(s, k, linear);
-    const double largest_q = std::ranges::max(numbers.first(numbers.size() / 2));
-    const bool is_enough = linear.model.rss - largest_q <= noise_like_rss(s.degrees(k));
-    if (is_enough || k >= s.max_removed) {
-      weigh_swept_sets(s, k, numbers, linear);
-      return;
-    }
+void weigh_explaining_sets(const RemovalModel& s, int fewest, double least, Linearisation& linear) {
+  if (!s.is_sigma_known) return weigh_sets(s, s.max_removed, linear);
+  int before = 0;
+  for (int k = std::min(fewest, s.max_removed);; ++k) {
+    sweep_to(s, k, before, linear);
+    before = k;
+    if (k >= s.max_removed || is_explained_by_sweep(s, linear)) break;
   }
+  weigh_probable_sets(s, least, linear);
 }
 
 const WeighedSet& heaviest(const std::vector<WeighedSet>& sets) {
@@ -206,14 +337,16 @@ std::vector<RemovalSet> heaviest_sets(const std::vector<WeighedSet>& sets, std::
                                       double least) {
   const double least_log = heaviest(sets).log_weight + std::log(least);
   std::vector<const WeighedSet*> heavy;
+  heavy.reserve(sets.size());
   for (const WeighedSet& w : sets) {
     if (w.log_weight >= least_log) heavy.push_back(&w);
   }
-  std::stable_sort(heavy.begin(), heavy.end(), [](const WeighedSet* a, const WeighedSet* b) {
-    return a->log_weight > b->log_weight;
+  std::ranges::sort(heavy, [](const WeighedSet* a, const WeighedSet* b) {
+    return a->log_weight > b->log_weight || (a->log_weight == b->log_weight && a < b);
   });
   heavy.resize(std::min(heavy.size(), count));
   std::vector<RemovalSet> chosen;
+  chosen.reserve(heavy.size());
   for (const WeighedSet* w : heavy) chosen.push_back(w->set);
   return chosen;
 }
@@ -238,32 +371,19 @@ SetStep step_of(const RemovalModel& s, const Linearisation& linear, const Remova
   SetStep step;
   step.delta = Eigen::Map<const Vector6d>(linear.model.step);
   if (set.size == 0) return step;
-  SmallSystem system;
-  system.size = 2 * set.size;
-  for (int a = 0; a < system.size; ++a) {
-    system.r[a] = linear.residual_at(a % 2, set.points[a / 2]);
-    for (int b = 0; b <= a; ++b) {
-      double dot = a == b;
-      for (int k = 0; k < 6; ++k) {
-        dot -= linear.basis_at(k, a % 2, set.points[a / 2]) *
-               linear.basis_at(k, b % 2, set.points[b / 2]);
-      }
-      system.m[a][b] = dot;
-    }
-  }
-  for (int i = 0; i < set.size; ++i) step.slab[i] = s.gamma[set.points[i]];
+  const SetRows rows = rows_of(linear, set);
+  const SmallSystem system = system_of(rows);
+  step.slab = gammas_of(s, set);
   const auto errors = system.solved(step.slab);  // of the removed points
   for (int i = 0; i < set.size; ++i) {
     const double e2 = errors[2 * i] * errors[2 * i] + errors[2 * i + 1] * errors[2 * i + 1];
     step.slab[i] = 4 / (2 / s.gamma[set.points[i]] + e2);
   }
   const auto z = system.solved(step.slab);
-  double along[6] = {};
-  for (int k = 0; k < 6; ++k) {
-    for (int a = 0; a < system.size; ++a) {
-      along[k] += linear.basis_at(k, a % 2, set.points[a / 2]) * z[a];
-    }
-  }
+  Vector6d along_set = Vector6d::Zero();
+  for (int a = 0; a < rows.count; ++a) along_set += z[a] * rows.basis.col(a);
+  double along[6];
+  Eigen::Map<Vector6d>(along, 6) = along_set;
   double delta[6];
   kernel::step_along(linear.model, along, delta);
   step.delta += Eigen::Map<const Vector6d>(delta);

@@ -9,6 +9,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,20 +34,21 @@ inline double noise_like_rss(int degrees) {
 inline constexpr double kPriorDegrees = 2;
 inline constexpr double kPriorSigmaPx = 2;
 
-/// What is known of a point before its residual is.
-struct PointPrior {
-  Eigen::Matrix2d information;  ///< inverse covariance of an inlier; unit where not known
-  double gamma = 0;             ///< noise over slab, squared
-  double log_odds = 0;          ///< of being an outlier, with the slab's height
-};
-
 /// What does not depend on the pose. Holds a pointer to the correspondences.
 struct RemovalModel {
   const Correspondences* c = nullptr;
   bool is_sigma_known = false;
-  std::vector<PointPrior> points;
-  std::vector<double> gamma;  ///< of the points, as the sweep takes them
+  /// Of an inlier's errors where all points have one; of unit noise where it is not known.
+  std::optional<double> common_variance;
+  std::vector<Eigen::Matrix2d> information;  ///< else: the inverse covariance of each inlier
+  std::vector<double> gamma;                 ///< of each point, noise over slab, squared
+  std::vector<double> log_odds;              ///< of being an outlier, with the slab's height
   int max_removed = 0;
+
+  /// A point's squared error in deviations of the noise.
+  double squared(int point, const Eigen::Vector2d& r) const {
+    return common_variance ? r.squaredNorm() / *common_variance : r.dot(information[point] * r);
+  }
 
   int n() const { return static_cast<int>(c->size()); }
   int degrees(int removed) const { return 2 * n() - 6 - 2 * removed; }
@@ -75,30 +78,63 @@ struct WeighedSet {
   double rss = 0;  ///< of the kept points, whitened
 };
 
+/// Numbers to work in, not set to anything; as many as up to eight points need without an
+/// allocation.
+class NumberRoom {
+ public:
+  NumberRoom() {}  // NOLINT(modernize-use-equals-default): that would set the numbers to zero
+  NumberRoom(const NumberRoom&) = delete;
+  NumberRoom& operator=(const NumberRoom&) = delete;
+
+  double* take(std::size_t count) {
+    if (count <= kInline) return inline_.data();
+    heap_ = std::make_unique_for_overwrite<double[]>(count);
+    return heap_.get();
+  }
+
+ private:
+  static constexpr std::size_t kInline = 1792;
+  std::array<double, kInline> inline_;
+  std::unique_ptr<double[]> heap_;
+};
+
+/// What a sweep over the sets of up to max_size points gave, the empty one first.
+struct Sweep {
+  int max_size = 0;
+  std::size_t count = 0;
+  kernel::SweptSets of = {};
+  double* workspace = nullptr;
+};
+
 /// A problem linearised at a pose, with the room that the work on it needs.
 struct Linearisation {
   Pose pose;
   kernel::LinearModel model;
-  std::size_t stride = 0;
-  std::vector<double> basis;
-  std::vector<double> residuals;
-  std::vector<double> sweep;  ///< q and det of every set, and the sweep's workspace
+  std::size_t stride = 0;  ///< 0: no room yet
+  double* basis = nullptr;
+  double* residuals = nullptr;
+  Sweep sweep;
+  NumberRoom room;
   std::vector<WeighedSet> sets;
 
-  double basis_at(int k, int half, int i) const { return basis[(6 * half + k) * stride + i]; }
   double residual_at(int half, int i) const { return residuals[half * stride + i]; }
 };
 
 /// False when a point is behind the camera or the points do not determine the pose.
-bool linearise(const PackedPoints& points, const Pose& pose, Linearisation& linear);
+bool linearise(const RemovalModel& s, const PackedPoints& points, const Pose& pose,
+               Linearisation& linear);
 
 /// Weighs all sets of up to `max_size` points into linear.sets, the empty one first. What all sets
 /// of a start have in common is included, so that weights of different starts compare.
 void weigh_sets(const RemovalModel& s, int max_size, Linearisation& linear);
 
-/// Weighs the sets of as few points as it takes for one of them to leave what looks like noise; of
-/// all sizes allowed where the noise is not known.
-void weigh_explaining_sets(const RemovalModel& s, Linearisation& linear);
+/// Sweeps the sets of up to `fewest` points, or of as few more as it takes for one of them to leave
+/// what looks like noise; of all sizes allowed where the noise is not known. Weighs into
+/// linear.sets those that have at least `least` of the weight of the heaviest, or more of them.
+void weigh_explaining_sets(const RemovalModel& s, int fewest, double least, Linearisation& linear);
+
+/// Weighs all sets of the last sweep.
+void weigh_swept_sets(const RemovalModel& s, Linearisation& linear);
 
 const WeighedSet& heaviest(const std::vector<WeighedSet>& sets);
 

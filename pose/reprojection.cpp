@@ -3,11 +3,9 @@
 #include "pose/reprojection.h"
 
 #include <cmath>
-#include <span>
-
-#include <Eigen/Cholesky>
 
 #include "pose/kernels/reprojection_kernel.h"
+#include "pose/packed_points.h"
 #include "pose/point_spread.h"
 
 namespace sightline {
@@ -19,21 +17,9 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return m;
 }
 
-Eigen::Matrix3d scatter_of_centred(std::span<const Eigen::Vector3d> points) {
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& p : points) scatter.noalias() += p * p.transpose();
-  return scatter;
-}
-
-/// Sum of the products of two eigenvalues of a symmetric matrix.
-double second_invariant(const Eigen::Matrix3d& m) {
-  return m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) - m(0, 2) * m(0, 2) +
-         m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
-}
-
 /// As PointSpread::is_collinear, but most clouds are seen not to be without their eigenvalues.
 bool is_collinear(const Correspondences& c) {
-  const Eigen::Matrix3d scatter = scatter_of_centred(c.points_in_centred);
+  const Eigen::Matrix3d scatter = moments_of(c.points_in_centred);
   const double trace = scatter.trace();
   // The second eigenvalue over the first is at least half this ratio less its rounding.
   if (second_invariant(scatter) > 1e-8 * trace * trace) return false;
@@ -137,15 +123,13 @@ std::optional<Reprojection> reproject(const Correspondences& c, std::size_t inde
 }
 
 std::optional<Matrix6d> inverse_information(const Matrix6d& information) {
-  const Vector6d diagonal = information.diagonal();
-  if (!information.allFinite() || !(diagonal.minCoeff() > 0)) return std::nullopt;
-  const Vector6d scale = diagonal.cwiseSqrt().cwiseInverse();
-  const Matrix6d correlation = scale.asDiagonal() * information * scale.asDiagonal();
-  const Eigen::LLT<Matrix6d> cholesky(correlation);
-  if (cholesky.info() != Eigen::Success) return std::nullopt;
-  const Matrix6d inverse = cholesky.solve(Matrix6d::Identity());
-  if (!(inverse.diagonal().maxCoeff() < kernel::kLargestInflation)) return std::nullopt;
-  return scale.asDiagonal() * inverse * scale.asDiagonal();
+  double upper[21], inverse[21];
+  double* next = upper;
+  for (int row = 0; row < 6; ++row) {
+    for (int column = row; column < 6; ++column) *next++ = information(row, column);
+  }
+  if (!kernel::invert(upper, inverse)) return std::nullopt;
+  return symmetric_from(inverse);
 }
 
 }  // namespace sightline

@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "pose/orthogonal_iteration.h"
+#include "pose/point_spread.h"
 #include "pose/scaled_orthographic.h"
 
 namespace sightline {
@@ -17,32 +18,30 @@ namespace {
 /// pose to its minimum by itself: orthogonal iteration has nothing to correct, and is slow there.
 constexpr double kWeakPerspective = 0.1;
 
-bool is_scatter_clearly_solid(const Eigen::Matrix3d& scatter) {
-  const Eigen::Matrix3d& m = scatter;
-  const double pairs = m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) -
-                       m(0, 2) * m(0, 2) + m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
+}  // namespace
+
+bool is_clearly_solid(const Eigen::Matrix3d& scatter) {
+  const double pairs = second_invariant(scatter);
   // With eigenvalues l1 >= l2 >= l3: l3 >= det / pairs, and l2 <= 2 pairs / trace. Nearly planar is
   // l3 < 0.01 l2.
-  return m.determinant() * m.trace() > 0.02 * pairs * pairs;
+  return scatter.determinant() * scatter.trace() > 0.02 * pairs * pairs;
 }
-
-}  // namespace
 
 bool is_clearly_solid(std::span<const Eigen::Vector3d> points) {
   if (points.empty()) return false;
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  Moments moments;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Eigen::Vector3d& point : points) {
     const Eigen::Vector3d p = point - points.front();  // far from the origin p p^T would round
     sum += p;
-    scatter.noalias() += p * p.transpose();
+    moments.add(p);
   }
-  scatter.noalias() -= sum * sum.transpose() / static_cast<double>(points.size());
-  return is_scatter_clearly_solid(scatter);
+  const Eigen::Vector3d mean = sum / static_cast<double>(points.size());
+  return is_clearly_solid(moments.matrix() - sum * mean.transpose());
 }
 
 std::optional<Pose> weak_perspective_start(const Correspondences& c) {
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  Moments moments;
   Eigen::Matrix<double, 2, 3> cross = Eigen::Matrix<double, 2, 3>::Zero();
   Eigen::Vector3d p_sum = Eigen::Vector3d::Zero();
   Eigen::Vector2d u_sum = Eigen::Vector2d::Zero();
@@ -52,15 +51,15 @@ std::optional<Pose> weak_perspective_start(const Correspondences& c) {
     const Eigen::Vector2d u = c.pixels[i].cwiseProduct(pixel_to_normalised);
     p_sum += p;
     u_sum += u;
-    scatter.noalias() += p * p.transpose();
+    moments.add(p);
     cross.noalias() += u * p.transpose();
   }
   const double n = static_cast<double>(c.size());
   const Eigen::Vector3d p_mean = p_sum / n;  // of a part of the points it is not zero
   const Eigen::Vector2d u_mean = u_sum / n;
-  scatter.noalias() -= p_sum * p_mean.transpose();
+  const Eigen::Matrix3d scatter = moments.matrix() - p_sum * p_mean.transpose();
   cross.noalias() -= u_sum * p_mean.transpose();
-  if (!is_scatter_clearly_solid(scatter)) return std::nullopt;
+  if (!is_clearly_solid(scatter)) return std::nullopt;
 
   const Eigen::Matrix<double, 2, 3> affine = cross * scatter.inverse();
   const std::optional<Eigen::Matrix3d> rotation = rotation_from_affine(affine);

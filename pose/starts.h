@@ -19,6 +19,9 @@ namespace sightline {
 /// (PointSpread::is_nearly_planar), and for some others.
 bool is_clearly_solid(std::span<const Eigen::Vector3d> points);
 
+/// The same by the sum of p p^T of points p about their mean.
+bool is_clearly_solid(const Eigen::Matrix3d& scatter);
+
 /// The scaled-orthographic pose of a target that is clearly not planar and so far away that least
 /// squares needs no better start (kWeakPerspective in pose/starts.cpp), as cam_from_centred; none
 /// otherwise.

@@ -21,6 +21,10 @@
 #include <Eigen/Cholesky>
 #include <fmt/format.h>
 
+#include "pose/consensus/answer.h"
+#include "pose/consensus/cloud.h"
+#include "pose/consensus/mixture.h"
+#include "pose/consensus/search.h"
 #include "pose/fit_points.h"
 #include "pose/reprojection.h"
 #include "pose/solver.h"
@@ -184,6 +188,39 @@ bool is_flagged(const PoseEstimate& estimate) {
          !said.is_significant.value_or(true);
 }
 
+/// The largest evidence of the modes that consensus finds.
+double largest_evidence(const consensus::Cloud& cloud) {
+  double largest = -std::numeric_limits<double>::infinity();
+  const consensus::Found found = consensus::search(cloud);
+  for (const consensus::Mode& mode : found.modes.all()) {
+    consensus::Answer answer;
+    if (consensus::answer_of(cloud, mode, answer)) {
+      largest = std::max(largest, answer.log_evidence);
+    }
+  }
+  return largest;
+}
+
+/// Whether the mode about the best pose of the true inliers has less evidence than another one that
+/// consensus finds, or leads away from the truth: then the data do not say which is true.
+bool is_truth_beaten(const AccuracyCase& c, const PoseEstimate& oracle, double noise_px) {
+  const consensus::Cloud cloud = consensus::prepare_cloud(c.problem).cloud;
+  consensus::Mode mode;
+  mode.cam_from_centred = consensus::to_cloud(oracle.cam_from_target, cloud);
+  mode.law = consensus::outlier_law(cloud);
+  constexpr double kTolerance = 1e-7;
+  const double scale = noise_px / cloud.image_unit_px;
+  consensus::Answer answer;
+  if (!consensus::fit_mixture(cloud, scale, {30, kTolerance}, mode) ||
+      !consensus::answer_of(cloud, mode, answer)) {
+    return true;
+  }
+  PoseEstimate estimate = oracle;
+  estimate.cam_from_target = consensus::from_cloud(answer.cam_from_centred, cloud);
+  return !(squared_error(c, estimate, noise_px) < kRight) ||
+         answer.log_evidence <= largest_evidence(cloud);
+}
+
 double cpu_seconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
@@ -196,7 +233,7 @@ PoseEstimate oracle_answer(const AccuracyCase& c) {
 }
 
 struct AccuracyTally {
-  int draws = 0, right = 0, unflagged = 0, second = 0, flagged_right = 0;
+  int draws = 0, right = 0, unflagged = 0, second = 0, flagged_right = 0, beaten = 0;
   double squares = 0, oracle_squares = 0;  ///< of right answers
   double angles2 = 0, oracle_angles2 = 0;  ///< of all, capped
   double nees = 0;
@@ -213,6 +250,7 @@ struct AccuracyTally {
       PoseEstimate other = estimate;
       other.cam_from_target = estimate.second_cam_from_target.value_or(estimate.cam_from_target);
       second += squared_error(c, other, noise_px) < kRight;
+      beaten += is_truth_beaten(c, oracle, noise_px);
       return;
     }
     ++right;
@@ -298,17 +336,17 @@ void set(Request& request, const std::string& key, const std::string& value) {
 
 std::string line_of(const AccuracyTally& t) {
   const double draws = t.draws, right = std::max(t.right, 1);
-  return fmt::format("{:7.2f} {:7.3f} {:7.3f} {:7.2f} {:9.2f} {:8.2f} {:8.2f} {:9.4f}",
+  return fmt::format("{:7.2f} {:7.3f} {:7.3f} {:7.2f} {:9.2f} {:8.2f} {:8.2f} {:8.2f} {:9.4f}",
                      100 * t.right / draws, std::sqrt(t.squares / t.oracle_squares),
                      std::sqrt(t.angles2 / t.oracle_angles2), t.nees / right,
-                     1000 * t.unflagged / draws, 100 * t.second / draws,
+                     1000 * t.unflagged / draws, 100 * t.second / draws, 100 * t.beaten / draws,
                      100 * t.flagged_right / draws, 1e3 * t.seconds / draws);
 }
 
 void print_table(const Request& request) {
-  fmt::print("{:>10} {:>6} {:>8} {:>16} {:>7} {:>7} {:>7} {:>7} {:>9} {:>8} {:>8} {:>9}\n", "cell",
-             "target", "noise", "solver", "right/%", "r", "r (all)", "NEES", "unflagged",
-             "second/%", "flagged", "CPU/ms");
+  fmt::print("{:>10} {:>6} {:>8} {:>16} {:>7} {:>7} {:>7} {:>7} {:>9} {:>8} {:>8} {:>8} {:>9}\n",
+             "cell", "target", "noise", "solver", "right/%", "r", "r (all)", "NEES", "unflagged",
+             "second/%", "beaten/%", "flagged", "CPU/ms");
   for (const Cell& cell : request.cells) {
     for (const bool is_planar : {false, true}) {
       for (const bool is_told : {true, false}) {

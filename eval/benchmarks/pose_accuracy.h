@@ -9,7 +9,9 @@ namespace sightline {
 /// `sightline_bench accuracy [key=value ...]` prints a table: of each cell (points / outliers in %,
 /// solid or planar target, noise told or not) the share of right answers, the ratio of the errors
 /// to those of least squares on the true inliers, the mean NEES, the wrong answers that nothing
-/// flags, and the CPU time. Keys:
+/// flags (of 1000), those that have the truth as the second pose, those that have more evidence
+/// than the truth's own mode (by consensus: "beaten", what no search can mend), and the CPU time.
+/// Keys:
 ///   solver=consensus   names of pose solvers, or of ours and the comparator, with commas
 ///   cells=8/50,12/70   points / share of outliers in %
 ///   draws=1000         of each cell; fewer from 1000 points on (a fifth)

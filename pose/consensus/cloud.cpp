@@ -72,8 +72,8 @@ Middle middle_of(const std::vector<UsablePoint>& points) {
 }
 
 /// The width of the interval over which numbers are spread evenly, from the distance between their
-/// first and last sixths, so that a few of them may be anywhere.
-double spread_width(std::vector<double> values) {
+/// first and last sixths, so that a few of them may be anywhere. Sorts them.
+double spread_width(std::vector<double>& values) {
   std::ranges::sort(values);
   const double last = static_cast<double>(values.size() - 1);
   const auto quantile = [&](double q) {
@@ -191,14 +191,11 @@ PreparedCloud failure(PoseStatus status) {
 }  // namespace
 
 double image_unit_px(const std::vector<Eigen::Vector2d>& pixels, double typical_noise_px) {
-  std::vector<double> u, v;
-  u.reserve(pixels.size());
-  v.reserve(pixels.size());
-  for (const Eigen::Vector2d& pixel : pixels) {
-    u.push_back(pixel.x());
-    v.push_back(pixel.y());
-  }
-  const double width = spread_width(std::move(u)), height = spread_width(std::move(v));
+  std::vector<double> values(pixels.size());
+  std::ranges::transform(pixels, values.begin(), [](const Eigen::Vector2d& p) { return p.x(); });
+  const double width = spread_width(values);
+  std::ranges::transform(pixels, values.begin(), [](const Eigen::Vector2d& p) { return p.y(); });
+  const double height = spread_width(values);
   const double length = std::max(width, height);
   if (!(length > 0) || !std::isfinite(length)) return 0;
   const double area = std::max(width * height, length * length / 16);

@@ -17,6 +17,7 @@
 #include "pose/consensus/noise.h"
 #include "pose/consensus/score.h"
 #include "pose/packed_points.h"
+#include "pose/point_spread.h"
 #include "pose/removal_hypotheses.h"
 #include "pose/removal_sets.h"
 #include "pose/reprojection.h"
@@ -44,7 +45,11 @@ struct Few {
   WhitenedCorrespondences points;
   double image_unit_px = 1;
   double typical_noise_px = 1;
+  Eigen::Matrix3d scatter;  ///< of the points
 
+  /// The sum of the squared distances of the points from the plane that is nearest to them, at
+  /// least.
+  double least_thickness2() const { return scatter.determinant() / second_invariant(scatter); }
   std::size_t size() const { return points.size(); }
   bool is_whitened() const { return !points.whitening.empty(); }
   /// The image's area in the units of a point's noise, as Cloud::area.
@@ -65,8 +70,9 @@ std::optional<Few> few_points(const PoseProblem& problem) {
   if (problem.covariances_px2.empty() && !(problem.sigma_px > 0)) return std::nullopt;
   PreparedWhitened prepared = prepare_whitened(problem);
   if (prepared.status != PoseStatus::kOk) return std::nullopt;
-  Few few = {std::move(prepared.correspondences), 1, problem.sigma_px};
-  if (!is_clearly_solid(few.points.points.points_in_centred)) return std::nullopt;
+  const Eigen::Matrix3d scatter = moments_of(prepared.correspondences.points.points_in_centred);
+  if (!is_clearly_solid(scatter)) return std::nullopt;
+  Few few = {std::move(prepared.correspondences), 1, problem.sigma_px, scatter};
   if (few.is_whitened()) {
     std::array<double, kMostOfFew> radii;
     for (std::size_t i = 0; i < n; ++i) {
@@ -86,20 +92,11 @@ RemovalModel model_of(const Few& few) {
   return removal_model(few.points, options);
 }
 
-/// The sum of the squared distances of the points from the plane that is nearest to them, at least.
-double least_thickness2(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Matrix3d m = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& p : points) m.noalias() += p * p.transpose();
-  const double pairs = m(0, 0) * m(1, 1) - m(0, 1) * m(0, 1) + m(0, 0) * m(2, 2) -
-                       m(0, 2) * m(0, 2) + m(1, 1) * m(2, 2) - m(1, 2) * m(1, 2);
-  return m.determinant() / pairs;
-}
-
 bool is_mirror_pose_excluded(const Few& few, const Pose& cam_from_centred) {
   const Correspondences& c = few.points.points;
   const double scale_px = std::min(c.fx_px, c.fy_px) / cam_from_centred.translation.z();
   const double least_px = kThickness * few.typical_noise_px;
-  return least_thickness2(c.points_in_centred) * scale_px * scale_px > least_px * least_px;
+  return few.least_thickness2() * scale_px * scale_px > least_px * least_px;
 }
 
 /// What the points say at the pose of the answer.
@@ -178,6 +175,11 @@ bool is_doubtful(const RemovalModel& s, const MeanOverRemovals& mean) {
          !is_explained(s, mean.best);
 }
 
+/// Whether nothing is removed nor thought of, so that the mean is the best pose of all points.
+bool is_certain(const MeanOverRemovals& mean) {
+  return mean.best.set.size == 0 && mean.chosen->hypotheses.size() == 1;
+}
+
 PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const FitOfKept& kept,
                            AtAnswer at, double false_alarm_rate) {
   const Correspondences& c = few.points.points;
@@ -187,8 +189,11 @@ PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const F
   estimate.status = PoseStatus::kOk;
   estimate.cam_from_target = from_centred(mean.mean, c);
   estimate.removed.assign(removed.span().begin(), removed.span().end());
-  estimate.unit_covariance = covariance_from_centred(kept.unit_covariance, mean.mean, c);
+  const double variance = few.points.sigma * few.points.sigma;
   estimate.covariance = covariance_from_centred(mean.covariance, mean.mean, c);
+  estimate.unit_covariance = is_certain(mean) && !few.is_whitened()
+                                 ? Matrix6d(*estimate.covariance / variance)
+                                 : covariance_from_centred(kept.unit_covariance, mean.mean, c);
   estimate.iterations = mean.chosen->iterations;
   estimate.residual_rms_px = std::sqrt(at.kept_squares / (2 * count));
   estimate.noise_px = few.points.sigma;
@@ -197,7 +202,6 @@ PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const F
   diagnosis.is_ambiguous = false;
   diagnosis.removed_probability = mean.best_probability;
   diagnosis.is_removal_limit_reached = false;
-  const double variance = few.points.sigma * few.points.sigma;
   diagnosis.is_test_failed =
       at.kept_squares > variance * chi_square_limit(2 * count - 6, false_alarm_rate);
   diagnosis.most_probable_cam_from_target = from_centred(kept.pose, c);
@@ -205,51 +209,51 @@ PoseEstimate estimate_from(const Few& few, const MeanOverRemovals& mean, const F
   return estimate;
 }
 
-/// fit_kept, which where nothing is removed and all points have one noise is the mean.
+/// fit_kept, which where nothing is removed and all points have one noise is the best pose.
 std::optional<FitOfKept> fit_of(const Few& few, const RemovalModel& s, const PackedPoints& packed,
                                 const MeanOverRemovals& mean) {
-  const bool is_mean = mean.chosen->hypotheses.size() == 1 && mean.best.set.size == 0;
-  if (!is_mean || few.is_whitened()) return fit_kept(s, packed, mean.best);
-  return FitOfKept{mean.mean, mean.covariance / (few.points.sigma * few.points.sigma)};
+  if (mean.best.set.size > 0 || few.is_whitened()) return fit_kept(s, packed, mean.best);
+  return FitOfKept{mean.best.pose, mean.best_covariance / (few.points.sigma * few.points.sigma)};
 }
 
 /// The answer from one start, where it is decisive.
-std::optional<PoseEstimate> decide(const Few& few, const RemovalModel& s,
-                                   const PackedPoints& packed, const Pose& start,
-                                   double false_alarm_rate) {
+PoseEstimate decide(const Few& few, const RemovalModel& s, const PackedPoints& packed,
+                    const Pose& start, double false_alarm_rate) {
   Linearisation room;
-  std::vector<RemovalBranch> branches;
-  branches.push_back(removals_from(s, packed, start, RemovalEffort::kOnlySmall, room));
-  if (branches.front().status != PoseStatus::kOk) return std::nullopt;
-  const std::optional<MeanOverRemovals> mean = mean_over_removals(branches, s);
-  if (!mean || is_doubtful(s, *mean) || !is_mirror_pose_excluded(few, mean->mean)) {
-    return std::nullopt;
-  }
+  const RemovalBranch branch = removals_from(s, packed, start, RemovalEffort::kOnlySmall, room);
+  if (branch.status != PoseStatus::kOk) return {};
+  const std::optional<MeanOverRemovals> mean = mean_over_removals({&branch, 1}, s);
+  if (!mean || is_doubtful(s, *mean) || !is_mirror_pose_excluded(few, mean->mean)) return {};
   std::optional<AtAnswer> at = look_at(few, *mean);
-  if (!at || !(at->other_poses < kOtherPoses)) return std::nullopt;
+  if (!at || !(at->other_poses < kOtherPoses)) return {};
   const std::optional<FitOfKept> fit = fit_of(few, s, packed, *mean);
-  if (!fit) return std::nullopt;
+  if (!fit) return {};
   return estimate_from(few, *mean, *fit, std::move(*at), false_alarm_rate);
 }
 
 }  // namespace
 
-std::optional<PoseEstimate> estimate_of_few(const PoseProblem& problem, double false_alarm_rate) {
-  if (problem.pixels.size() > kMostOfFew) return std::nullopt;
+PoseEstimate estimate_of_few(const PoseProblem& problem, double false_alarm_rate) {
+  if (problem.pixels.size() > kMostOfFew) return {};
   if (problem.initial_cam_from_target) {
     PoseProblem free = problem;
     free.initial_cam_from_target.reset();
     return estimate_of_few(free, false_alarm_rate);
   }
   const std::optional<Few> few = few_points(problem);
-  if (!few) return std::nullopt;
+  if (!few) return {};
   const RemovalModel s = model_of(*few);
   const PackedPoints points = packed(s);
   const Correspondences& c = few->points.points;
-  for (const Pose& start : starting_poses(c, std::nullopt)) {
-    if (auto estimate = decide(*few, s, points, start, false_alarm_rate)) return estimate;
+  if (const std::optional<Pose> start = weak_perspective_start(c)) {
+    return decide(*few, s, points, *start, false_alarm_rate);
   }
-  return std::nullopt;
+  PoseEstimate estimate;
+  for (const Pose& start : starting_poses(c, std::nullopt)) {
+    estimate = decide(*few, s, points, start, false_alarm_rate);
+    if (estimate.status == PoseStatus::kOk) break;
+  }
+  return estimate;
 }
 
 }  // namespace sightline::consensus

@@ -4,8 +4,6 @@
 // The short way to the answer for few points: where small sets of removals explain them clearly.
 #pragma once
 
-#include <optional>
-
 #include "pose/solver.h"
 
 namespace sightline::consensus {
@@ -15,10 +13,10 @@ namespace sightline::consensus {
 /// microseconds. Only where that is decisive, and the search would find the same: five to twelve
 /// points, all of which can be used, of a target that is clearly solid, so that its mirror pose
 /// does not fit; noise that is known; what is kept, five points or more, looks like it; and no
-/// other set of points or pose is nearly as probable. None otherwise.
+/// other set of points or pose is nearly as probable. Otherwise its status is not kOk.
 ///
 /// Starts where nobody says where to: an initial pose is not needed here, and cannot harm.
-std::optional<PoseEstimate> estimate_of_few(const PoseProblem& problem, double false_alarm_rate);
+PoseEstimate estimate_of_few(const PoseProblem& problem, double false_alarm_rate);
 
 /// The most points that it looks at.
 inline constexpr std::size_t kMostOfFew = 12;

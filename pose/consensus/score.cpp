@@ -49,7 +49,7 @@ double bernoulli_divergence(double p, double q) {
 
 double least_log_improbability(double triples, double n) {
   // Of all poses that were tried, and all radii about them.
-  return std::log(3 * triples) + std::log(64 * n) - std::log(kChanceSignificance);
+  return std::log(3 * triples * 64 * n / kChanceSignificance);
 }
 
 void Scorer::fill(const Pose& pose, std::size_t count) {

@@ -12,6 +12,7 @@
 
 #include <Eigen/Geometry>
 
+#include "pose/consensus/noise.h"
 #include "pose/consensus/score.h"
 #include "pose/p3p.h"
 #include "pose/robust.h"
@@ -32,6 +33,26 @@ constexpr double kPromisingCount = 0.7;
 constexpr std::size_t kFittedEarly = 500;
 constexpr std::size_t kFittedLate = 1000;
 constexpr std::size_t kFullyFitted = 6;
+
+/// How many triples it takes until one of a consensus of so many of n points was met.
+double triples_needed(double inliers, double n) {
+  const double chance =
+      kLeads * std::max(0.0, inliers * (inliers - 1) * (inliers - 2)) / (n * (n - 1) * (n - 2));
+  return chance > 0 ? std::log(kMissed) / std::log1p(-std::min(chance, 0.999999)) : kMostTriples;
+}
+
+/// The size of the smallest consensus of n points with noise of the usual size that chance does not
+/// explain.
+double smallest_significant(double n) {
+  constexpr double kRadius2 = 6 * kTypicalNoise * kTypicalNoise;  // of 95 % of the inliers
+  const double chance = std::numbers::pi * kRadius2;
+  double inliers = 5;
+  while (inliers < n && (n - 3) * bernoulli_divergence((inliers - 3) / (n - 3), chance) <
+                            least_log_improbability(kMostTriples, n)) {
+    ++inliers;
+  }
+  return inliers;
+}
 
 /// The hypotheses of the best scores, best first.
 class Ranking {
@@ -227,17 +248,17 @@ class Search {
   void update_need() {
     if (found_.modes.is_empty()) return;
     const double n = static_cast<double>(n_);
-    const double inliers = std::min(inlier_share() * n, n);
-    const double chance =
-        kLeads * std::max(0.0, inliers * (inliers - 1) * (inliers - 2)) / (n * (n - 1) * (n - 2));
-    needed_ =
-        chance > 0 ? std::log(kMissed) / std::log1p(-std::min(chance, 0.999999)) : kMostTriples;
+    needed_ = triples_needed(std::min(inlier_share() * n, n), n);
     if (cloud_.is_sigma_known()) return;
     // Where the noise is not known, many points that are met roughly may hide fewer that are met
-    // precisely.
+    // precisely, and some agree with any pose of three.
     constexpr double kRoughVariance = 9e-6;
-    const double share = found_.modes.best().variance > kRoughVariance ? 0.3 : 0.5;
+    const Mode& best = found_.modes.best();
+    const double share = best.variance > kRoughVariance ? 0.3 : 0.5;
     needed_ = std::max(needed_, -std::log(kMissed) / (share * share * share * kLeads));
+    const bool is_significant = scorer_.log_improbability(best.cam_from_centred) >
+                                least_log_improbability(found_.triples, n);
+    if (!is_significant) needed_ = std::max(needed_, triples_needed(smallest_significant(n), n));
   }
 
   void fit_ranked() {

@@ -297,13 +297,22 @@ inline Matrix3 cofactors(const Matrix3& m) {
   return {cross(m.y, m.z), cross(m.z, m.x), cross(m.x, m.y)};
 }
 
-/// A step of Newton and Schulz from M = factor * m towards the nearest orthonormal matrix,
+/// |M|^2, added in pairs: one after the other takes longer.
+inline double norm2_of(const Matrix3& m) {
+  const double x = m.x.x * m.x.x + m.x.y * m.x.y, y = m.y.x * m.y.x + m.y.y * m.y.y;
+  const double z = m.z.x * m.z.x + m.z.y * m.z.y, last = m.x.z * m.x.z + m.y.z * m.y.z;
+  return (x + y) + (z + (last + m.z.z * m.z.z));
+}
+
+/// A step of Newton and Schulz from M = m / divisor towards the nearest orthonormal matrix,
 /// M (3 I - M^T M) / 2: an error e becomes e^2.
-[[gnu::always_inline]] inline Matrix3 nearer_to_orthonormal(const Matrix3& m, double factor = 1) {
+[[gnu::always_inline]] inline Matrix3 nearer_to_orthonormal(const Matrix3& m, double divisor = 1) {
   const Symmetric3 g = gram(m);
-  const double c = 1.5 * factor;
-  const double d = -0.5 * factor * factor * factor;
-  return m * Symmetric3{c + d * g.xx, c + d * g.yy, c + d * g.zz, d * g.xy, d * g.yz, d * g.zx};
+  const double c = 1 / divisor;
+  const double d = -0.5 / (divisor * divisor);  // does not wait for c
+  const Matrix3 scaled = {c * m.x, c * m.y, c * m.z};
+  return scaled *
+         Symmetric3{1.5 + d * g.xx, 1.5 + d * g.yy, 1.5 + d * g.zz, d * g.xy, d * g.yz, d * g.zx};
 }
 
 /// One Newton step on SO(3) for tr(A^T B) -> max, A <- Exp(w) A. With A^T B = N, in the axes of a:
@@ -337,21 +346,31 @@ constexpr double kMirrorGap = 0.2;
 
 struct Root {
   bool is_simple;
-  double kappa, lambda, xi;
+  double lambda, xi;
 };
 
 /// The largest root of h(mu) = kappa^2 - |adj|^2 - 2 det lambda, a quarter of (23). All four roots
 /// are real; the start lies above the largest, and Householder's steps of third order (error e
 /// becomes e^4) end at it. h' = 2 xi is a quarter of the product of its distances from the other
-/// roots, so that xi / lambda^2 measures the nearest: after a step below 2e-4 of that the error is
-/// 1e-15 of it. Not simple: (nearly) a double root.
+/// roots, so that xi / lambda^2 measures the nearest. An error of the root, in that measure, is how
+/// much too long or short A becomes along its axes, which the step towards orthonormal squares:
+/// 1e-8 is enough. Not simple: (nearly) a double root.
 inline Root largest_root(double norm2, double det, double adjugate_norm2) {
   constexpr double kSqrt3 = 1.7320508075688772;  // lambda <= sqrt(3) |B|
-  constexpr double kLastStep = 2e-4;
+  // What kappa / |B|^2 and lambda / |B| are in most clouds: there the tangents of the roots kappa =
+  // sqrt(kappa^2) and lambda = sqrt(|B|^2 + 2 kappa) are taken, which lie above them.
+  constexpr double kKappa = 0.8;
+  constexpr double kLambda = 1.6;
+  constexpr double kLastStep = 1.5e-2;
+  constexpr double kSettled = 2e-9;
   constexpr int kMaxIterations = 12;
   const double norm = __builtin_sqrt(norm2);
-  const double most_det = kSqrt3 * (det + __builtin_fabs(det));  // no branch: n = 3 tosses coins
-  const double kappa_above = __builtin_sqrt(adjugate_norm2 + most_det * norm);
+  const double per_norm2 = 1 / norm2;
+  const double two_det = det + __builtin_fabs(det);  // no branch: n = 3 tosses coins
+  const double lambda_bound = (adjugate_norm2 + two_det * (kSqrt3 * norm)) *
+                                  (0.5 / (kKappa * kLambda) * per_norm2 * per_norm2 * norm) +
+                              (0.5 * (1 + kKappa) / kLambda + 0.5 * kLambda) * norm;
+  const double kappa_above = __builtin_sqrt(adjugate_norm2 + two_det * lambda_bound);
   double lambda = __builtin_sqrt(norm2 + 2 * kappa_above);
   double mu = lambda - norm;
   double kappa = mu * (norm + 0.5 * mu);
@@ -359,6 +378,7 @@ inline Root largest_root(double norm2, double det, double adjugate_norm2) {
   for (int i = 0; i < kMaxIterations; ++i) {
     const double h = kappa * kappa - adjugate_norm2 - 2 * det * lambda;
     const double lambda2 = lambda * lambda;
+    if (__builtin_fabs(h) * lambda2 <= kSettled * (xi * xi)) return {true, lambda, xi};
     const double hq = h * (lambda2 + kappa);
     const double halley = 4 * xi * xi - hq;
     const double step = h * halley / (2 * xi * (halley - hq) + lambda * h * h);
@@ -367,7 +387,7 @@ inline Root largest_root(double norm2, double det, double adjugate_norm2) {
     lambda -= step;
     kappa = mu * (norm + 0.5 * mu);
     xi = kappa * lambda - det;
-    if (is_last) return {true, kappa, lambda, xi};
+    if (is_last) return {true, lambda, xi};
   }
   return {};
 }
@@ -382,21 +402,21 @@ struct Rotation {
   const Matrix3 adjugate_t = cofactors(b);
   const double det = dot(b.x, adjugate_t.x);
   const Matrix3 b_gram = b * gram(b);
-  const double adjugate_norm2 = dot(adjugate_t.x, adjugate_t.x) + dot(adjugate_t.y, adjugate_t.y) +
-                                dot(adjugate_t.z, adjugate_t.z);
-  const auto [is_simple, kappa, lambda, xi] = largest_root(norm2, det, adjugate_norm2);
+  const double adjugate_norm2 = norm2_of(adjugate_t);
+  const auto [is_simple, lambda, xi] = largest_root(norm2, det, adjugate_norm2);
   const double lambda2 = lambda * lambda;
   const double lambda3 = lambda2 * lambda;
   if (!(is_simple && xi >= kSvdGap * lambda3)) return {};
 
-  // (16). The division by xi waits, so that the processor need not.
-  const double first = kappa + norm2;
+  // (16), with kappa + |B|^2 = (lambda^2 + |B|^2) / 2. The division by xi waits, so that the
+  // processor need not.
+  const double first = 0.5 * lambda2 + 0.5 * norm2;
   const Matrix3 xi_a = {
-      first * b.x + lambda * adjugate_t.x + (-1.0) * b_gram.x,
-      first * b.y + lambda * adjugate_t.y + (-1.0) * b_gram.y,
-      first * b.z + lambda * adjugate_t.z + (-1.0) * b_gram.z,
+      (lambda * adjugate_t.x + (-1.0) * b_gram.x) + first * b.x,
+      (lambda * adjugate_t.y + (-1.0) * b_gram.y) + first * b.y,
+      (lambda * adjugate_t.z + (-1.0) * b_gram.z) + first * b.z,
   };
-  const Matrix3 a = nearer_to_orthonormal(xi_a, 1 / xi);
+  const Matrix3 a = nearer_to_orthonormal(xi_a, xi);
   const double smallest_gap = xi / lambda2;
   if (xi * xi >= kMirrorGap * kMirrorGap * lambda2 * adjugate_norm2) return {true, smallest_gap, a};
   return {true, smallest_gap, polished(a, b)};

@@ -40,13 +40,41 @@ void step_along(const LinearModel& model, const double (&z)[6], double (&delta)[
 /// The number of sets of 1 to max_size of n points.
 std::size_t set_count(std::size_t n, int max_size);
 
+/// A problem as sweep_sets takes it: the arrays of a linear model, and of each point gamma and the
+/// log odds of being an outlier.
+struct SweepProblem {
+  std::size_t points;
+  const double* basis;
+  const double* residuals;
+  const double* gamma;
+  const double* log_odds;
+};
+
+/// How far a weight of SweptSets may be above the true one.
+inline constexpr double kRoughLog = 0.06;
+
+/// Of every set S of 1 to max_size points, in lexicographic order ({0}, {0, 1}, {0, 1, 2}, ...,
+/// {0, 2}, ..., {1}, ...): q = r_S^T (M_SS + gamma I)^-1 r_S, det = det(M_SS + gamma I), and about
+/// q + 2 sum_S log odds - ln det, kRoughLog too much at most.
+struct SweptSets {
+  double* q;
+  double* det;
+  double* weight;
+};
+
+/// How many doubles each array of SweptSets must have room for: more than set_count.
+std::size_t swept_room(std::size_t n, int max_size);
+
 /// How many doubles sweep_sets needs to work in.
 std::size_t sweep_workspace(std::size_t n, int max_size);
 
-/// For every set S of 1 to max_size points, in lexicographic order ({0}, {0, 1}, {0, 1, 2}, ...,
-/// {0, 2}, ..., {1}, ...): q = r_S^T (M_SS + gamma I)^-1 r_S and det = det(M_SS + gamma I), by
-/// Schur complements with 2x2 pivots. `q` and `det` have room for set_count numbers.
-void sweep_sets(std::size_t n, const double* basis, const double* residuals, const double* gamma,
-                int max_size, double* workspace, double* q, double* det);
+/// Sweeps all sets of 1 to max_size points, by Schur complements with 2x2 pivots. `before` is the
+/// max_size of the sweep of the same problem that was the last in this workspace, 0 if none was;
+/// the workspace must be large enough for both.
+void sweep_sets(const SweepProblem& problem, int max_size, int before, double* workspace,
+                const SweptSets& out);
+
+/// The place of the largest of one value or more; NaNs are none.
+std::size_t largest_of(const double* values, std::size_t count);
 
 }  // namespace sightline::kernel

@@ -13,10 +13,11 @@
 // Deviations. (a) The unknown is mu = lambda - |B|, kappa = mu (|B| + mu/2): solved for lambda,
 // (23) cancels where B is nearly of rank one and A errs with the inverse square of the gap g = (s2
 // + s3)/s1, for mu with its inverse, as the SVD does. The root is found from above by Householder's
-// third-order method. (b) A step of Newton and Schulz makes the result orthonormal. (c) Where s3
-// nearly cancels s2 (mirrored clouds) the square is back: a Newton step on SO(3) restores the
-// digits. (d) Where xi / lambda^3, about g, is below 1e-4, or the root is double, the SVD takes
-// over. (e) What the rounding of the coordinates could have made is no gap: kDegenerate.
+// third-order method, to 1e-8 of the gap, for its error only stretches A along its axes. (b) A step
+// of Newton and Schulz makes the result orthonormal; it squares that error. (c) Where s3 nearly
+// cancels s2 (mirrored clouds) the square is back: a Newton step on SO(3) restores the digits. (d)
+// Where xi / lambda^3, about g, is below 1e-4, or the root is double, the SVD takes over. (e) What
+// the rounding of the coordinates could have made is no gap: kDegenerate.
 //
 // The arithmetic is in pose/kernels/orientation_kernels_body.h.
 

@@ -366,13 +366,7 @@ PoseEstimate estimate_of_understated(const PoseProblem& problem, const Cloud& cl
   return estimate;
 }
 
-}  // namespace
-
-PoseEstimate solve_consensus(const PoseProblem& problem, const SolverOptions& options) {
-  const double false_alarm_rate = options.outliers.false_alarm_rate;
-  if (std::optional<PoseEstimate> few = consensus::estimate_of_few(problem, false_alarm_rate)) {
-    return *std::move(few);
-  }
+PoseEstimate estimate_of_any(const PoseProblem& problem, double false_alarm_rate) {
   const consensus::PreparedCloud prepared = consensus::prepare_cloud(problem);
   const Cloud& cloud = prepared.cloud;
   if (prepared.status != PoseStatus::kOk) {
@@ -384,6 +378,15 @@ PoseEstimate solve_consensus(const PoseProblem& problem, const SolverOptions& op
   PoseEstimate estimate = estimate_by_search(cloud, false_alarm_rate);
   if (estimate.status == PoseStatus::kOk || !cloud.is_sigma_known()) return estimate;
   return estimate_of_understated(problem, cloud, false_alarm_rate);
+}
+
+}  // namespace
+
+PoseEstimate solve_consensus(const PoseProblem& problem, const SolverOptions& options) {
+  const double false_alarm_rate = options.outliers.false_alarm_rate;
+  PoseEstimate estimate = consensus::estimate_of_few(problem, false_alarm_rate);
+  if (estimate.status != PoseStatus::kOk) estimate = estimate_of_any(problem, false_alarm_rate);
+  return estimate;
 }
 
 }  // namespace sightline

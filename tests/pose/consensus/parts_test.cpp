@@ -12,6 +12,7 @@
 #include "pose/consensus/modes.h"
 #include "pose/consensus/noise.h"
 #include "pose/consensus/score.h"
+#include "pose/consensus/search.h"
 #include "tests/pose/consensus/scenes.h"
 #include "tests/pose/solvers/solving.h"
 
@@ -184,6 +185,17 @@ TEST(ConsensusMixture, FailsWithoutInliers) {
   mode.cam_from_centred = {Eigen::Matrix3d::Identity(), {0, 0, -5}};
   mode.law = outlier_law(cloud);
   EXPECT_FALSE(fit_mixture(cloud, 1e-3, {}, mode));
+}
+
+TEST(ConsensusSearch, IsNotEndedByAgreementThatChanceExplains) {
+  // Thirteen of 200 points that agree within 8 px, were that the noise, would be met with 99.9 %
+  // after 40 000 triples. Ten that agree within 1 px, which is more than chance, take 100 000.
+  for (const unsigned seed : {3, 5, 8}) {
+    Draw draw(seed);
+    Synthetic s = scene({200, 187, false, 8}, draw);
+    s.problem.sigma_px = 0;
+    EXPECT_GT(search(cloud_of_scene(s)).triples, 100'000) << seed;
+  }
 }
 
 TEST(ConsensusModes, MirrorOfAPlaneKeepsItsImageAndOfASolidIsNone) {

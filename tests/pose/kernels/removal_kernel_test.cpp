@@ -74,18 +74,25 @@ TEST(RemovalKernel, SweepEqualsDenseAlgebraForEverySet) {
     const Case k = random_case(n, draw);
     const PackedPoints points(k.c, k.weights);
     const std::size_t stride = kernel::padded(n);
-    std::vector<double> basis(12 * stride), residuals(2 * stride), gamma;
-    for (int i = 0; i < n; ++i) gamma.push_back(draw.uniform(0.001, 0.1));
+    std::vector<double> basis(12 * stride), residuals(2 * stride), gamma, log_odds;
+    for (int i = 0; i < n; ++i) {
+      gamma.push_back(draw.uniform(0.001, 0.1));
+      log_odds.push_back(draw.uniform(-10, 1));
+    }
     kernel::LinearModel model;
     ASSERT_TRUE(kernel::linearise(points.lanes().data(), points.lanes().size(), rigid_from(k.pose),
                                   basis.data(), residuals.data(), model));
+    std::vector<double> workspace(kernel::sweep_workspace(n, 4));
+    int before = 0;
     for (const int max_size : {1, 2, 3, 4}) {
       const auto sets = sets_in_order(n, max_size);
       ASSERT_EQ(kernel::set_count(n, max_size), sets.size());
-      std::vector<double> q(sets.size()), det(sets.size());
-      std::vector<double> workspace(kernel::sweep_workspace(n, max_size));
-      kernel::sweep_sets(n, basis.data(), residuals.data(), gamma.data(), max_size,
-                         workspace.data(), q.data(), det.data());
+      const std::size_t room = kernel::swept_room(n, max_size);
+      std::vector<double> q(room), det(room), weight(room);
+      kernel::sweep_sets(
+          {k.c.size(), basis.data(), residuals.data(), gamma.data(), log_odds.data()}, max_size,
+          before, workspace.data(), {q.data(), det.data(), weight.data()});
+      before = max_size;
       for (std::size_t i = 0; i < sets.size(); ++i) {
         const int size = static_cast<int>(2 * sets[i].size());
         Eigen::MatrixXd m(size, size);
@@ -105,6 +112,10 @@ TEST(RemovalKernel, SweepEqualsDenseAlgebraForEverySet) {
         // Sets that leave too few points to fix a pose have pivots near gamma.
         EXPECT_NEAR(q[i], r.dot(m.lu().solve(r)), 1e-7 * (1 + q[i]));
         EXPECT_NEAR(det[i], m.determinant(), 1e-9);
+        double exact = q[i] - std::log(det[i]);
+        for (const int point : sets[i]) exact += 2 * log_odds[point];
+        EXPECT_GE(weight[i], exact - 1e-9);
+        EXPECT_LE(weight[i], exact + kernel::kRoughLog);
       }
     }
   }
