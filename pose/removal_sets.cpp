@@ -251,7 +251,8 @@ void weigh_probable_sets(const RemovalModel& s, double least, Linearisation& lin
   linear.sets.clear();
   linear.sets.reserve(kUsual);
   for (std::size_t place = 0; place < sweep.count; ++place) {
-    if (weights[place] < least_weight) continue;
+    // A NaN is of a set that determines no pose.
+    if (!(weights[place] >= least_weight)) continue;
     linear.sets.push_back(weighed(s, linear, place, set_at(place, s.n(), sweep.max_size)));
   }
 }

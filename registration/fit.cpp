@@ -162,9 +162,9 @@ Solution Fitter::solve_sharp() {
   return solution;
 }
 
-// Samples of a pixel of the model at a step of the sharp level. What they miss of the coverage, blur
-// spreads over several pixels; where it hardly does, as much is missed as noise makes, and alike all
-// along an edge, so that the covariance would not know.
+// Samples of a pixel of the model at a step of the sharp level. What they miss of the coverage,
+// blur spreads over several pixels; where it hardly does, as much is missed as noise makes, and
+// alike all along an edge, so that the covariance would not know.
 int Fitter::sharp_samples(const FitLevel& level, int step) const {
   constexpr int kFirstSamples = 4;  // the first step is never the last
   constexpr int kSamplesUnblurred = 64;
@@ -207,7 +207,7 @@ Matrix6d Fitter::camera_term(const FitLevel& level) {
     FitLevel seen = level;
     seen.image.camera = camera;
     BasisDrawer drawer(mesh_, camera);
-    if (!linearise(seen, seen.samples, drawer)) return std::nullopt;
+    if (!linearise(seen, sharp_samples(seen, 1), drawer)) return std::nullopt;
     return Vector6d(solve_rows(rows_, learning_, prior_term(true)).change.head<6>());
   };
   const auto own = change_before(level.image.camera);

@@ -28,6 +28,7 @@
 #include "eval/benchmarks/benches.h"
 #include "renderer/renderer.h"
 #include "renderer/sample_pattern.h"
+#include "scenes/mesh/textures.h"
 #include "scenes/picture/picture_file.h"
 #include "scenes/target/target.h"
 
@@ -273,9 +274,7 @@ class BilinearTexture {
  public:
   explicit BilinearTexture(const Texture& texture) : texture_(texture) {
     for (size_t i = 0; i < linear_.size(); ++i) {
-      const double encoded = static_cast<double>(i) / 255;
-      linear_[i] = static_cast<float>(
-          encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4));
+      linear_[i] = static_cast<float>(linear_from_srgb(static_cast<double>(i) / 255));
     }
   }
 

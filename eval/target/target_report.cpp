@@ -219,6 +219,7 @@ Json features_json(const Target& target) {
   return features;
 }
 
+// Whether a picture in grey would lack something: textures, colours of vertices, or a part's own.
 bool is_coloured(const Mesh& mesh) {
   return !mesh.coats.empty() ||
          std::any_of(mesh.parts.begin(), mesh.parts.end(), [](const Part& p) {
@@ -228,7 +229,7 @@ bool is_coloured(const Mesh& mesh) {
          });
 }
 
-// In colour where the mesh has any.
+// In colour where the mesh has textures or colours.
 cv::Mat draw_picture(const std::shared_ptr<const Target>& target,
                      const std::vector<double>& theta_deg) {
   Scene scene = picture_scene(target, theta_deg);

@@ -137,7 +137,7 @@ inline std::size_t level_size(std::size_t n, std::size_t stride, int remaining) 
 }
 
 /// ln x, x > 0, from below and no more than kRoughLog off: between powers of two it is linear. Of
-/// other numbers some large one.
+/// other numbers it says nothing.
 inline Lanes rough_log(const Lanes& x) {
   typedef unsigned long long Bits __attribute__((vector_size(kLanes * sizeof(long long))));
   constexpr double kLn2 = 0.693147180559945309;

@@ -74,7 +74,8 @@ std::size_t sweep_workspace(std::size_t n, int max_size);
 void sweep_sets(const SweepProblem& problem, int max_size, int before, double* workspace,
                 const SweptSets& out);
 
-/// The place of the largest of one value or more; NaNs are none.
+/// The place of the largest of one value or more, of which the first must be a number; other NaNs
+/// are none.
 std::size_t largest_of(const double* values, std::size_t count);
 
 }  // namespace sightline::kernel

@@ -1,11 +1,10 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
-// What the builders paint textures with: shapes by their distance, and letters. No function of the
-// C library's is used but the square root, so that pictures are the same on any machine.
+// What the builders paint textures with: shapes by their distance, and letters. Here no function of
+// the C library's is used but the square root, whose last digit is the same on any machine.
 #pragma once
 
-#include <span>
 #include <string_view>
 
 #include <Eigen/Core>

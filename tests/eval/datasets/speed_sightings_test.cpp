@@ -153,7 +153,6 @@ TEST_F(ForeignSpeed, HasListsOfAnyNameWhichAreOffered) {
               HasSubstr("has synthetic/roe1.json and synthetic/roe2.json; say --split"));
 }
 
-// Scalar last, most of these turn the camera's view away: of three poses one stays in the image.
 TEST_F(ForeignSpeed, IsReadWhereGzipPackedIt) {
   fs::create_directories(folder_.path() / "synthetic/images/train");
   fs::rename(folder_.path() / "synthetic/images/img1.jpg",
@@ -179,6 +178,7 @@ TEST_F(ForeignSpeed, IsReadWhereGzipPackedIt) {
   EXPECT_EQ(read_sightings(source("synthetic", ""), cube_).sightings.size(), 1u);
 }
 
+// Scalar last, most of these turn the camera's view away: of three poses one stays in the image.
 TEST_F(ForeignSpeed, GetsAHintWhereMostPosesAreOutOfTheImage) {
   const auto notes = [this](const std::string& aside) {
     folder_.write("synthetic/train.json",
