@@ -42,7 +42,7 @@ ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances, bool 
   ImagePaths paths;
   paths.grey = path(bop::kGreyFolder, bop::image_name(im_id));
   if (plan.extras.has_grey_tiff) {
-    paths.grey_tiff = fs::path(paths.grey).replace_extension(".tiff").string();
+    paths.grey_tiff = fs::path(paths.grey).replace_extension(".tif").string();
   }
   if (has_colour) paths.colour = path(bop::kColourFolder, bop::image_name(im_id));
   paths.depth = path(bop::kDepthFolder, bop::image_name(im_id));
@@ -131,7 +131,7 @@ std::vector<std::string> bop_image_problems(const SetPlan& plan, const fs::path&
   for (size_t i = 0; i < paths.size(); ++i) {
     pictures.push_back(read_picture(folder / paths[i]));
     const bool is_colour = is_in_colour(truth) && i + 1 == paths.size();
-    const bool is_picture = i == 0 || is_colour || paths[i].ends_with(".tiff");
+    const bool is_picture = i == 0 || is_colour || paths[i].ends_with(".tif");
     const bool is_wide = i == 1 || (is_picture && truth.at("scene").at("sensor").at("bits") > 8);
     const cv::Mat& picture = pictures.back();
     const int type = CV_MAKETYPE(is_wide ? CV_16U : CV_8U, is_colour ? 3 : 1);
@@ -152,7 +152,7 @@ std::vector<std::string> bop_image_problems(const SetPlan& plan, const fs::path&
 std::vector<SetFile> bop_set_files(const SetPlan& plan) {
   return bop::set_files(plan, {.name = "scenewise",
                                .grey = "gray/",
-                               .grey_tiff = "gray/ has each picture as .tiff too.",
+                               .grey_tiff = "gray/ has each picture as .tif too.",
                                .colour = "rgb/",
                                .depth = "depth/",
                                .masks = "mask/",

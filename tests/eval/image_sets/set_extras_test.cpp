@@ -80,17 +80,17 @@ TEST_F(ImageSet, CoordinatesAndNormalsAreThoseOfTheSurfaceThatIsSeen) {
 
 TEST_F(ImageSet, WhatIsAskedForIsThereAndNothingElse) {
   ASSERT_EQ(render("tiff", "--count 1 --also tiff --truth minimal").exit_code, 0);
-  const cv::Mat tiff = picture("tiff/test/000000/gray/000000.tiff");
+  const cv::Mat tiff = picture("tiff/test/000000/gray/000000.tif");
   const cv::Mat png = picture("tiff/test/000000/gray/000000.png");
   ASSERT_EQ(tiff.type(), CV_8UC1);
   EXPECT_EQ(cv::norm(tiff, png, cv::NORM_INF), 0);
   EXPECT_GT(cv::norm(tiff, cv::NORM_INF), 0);
   EXPECT_EQ(verify("tiff").exit_code, 0) << verify("tiff").output;
   ASSERT_EQ(render("deep", "--count 1 --also tiff --set image.bits=12").exit_code, 0);
-  EXPECT_EQ(picture("deep/test/000000/gray/000000.tiff").type(), CV_16UC1);
+  EXPECT_EQ(picture("deep/test/000000/gray/000000.tif").type(), CV_16UC1);
   ASSERT_EQ(render("plain", "--count 1 --truth minimal").exit_code, 0);
   std::map<std::string, std::string> more = tree("tiff");
-  EXPECT_EQ(more.erase("test/000000/gray/000000.tiff"), 1u);
+  EXPECT_EQ(more.erase("test/000000/gray/000000.tif"), 1u);
   EXPECT_EQ(more.size(), tree("plain").size());
   EXPECT_FALSE(read("plain/sightline.json").contains("also"));
   EXPECT_THAT(render("plain", "--count 1 --truth minimal --also nocs --resume").output,
