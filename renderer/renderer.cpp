@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/LU>
@@ -20,6 +22,7 @@
 #include "renderer/truth.h"
 #include "renderer/views.h"
 #include "scenes/files/input_error.h"
+#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {
@@ -353,10 +356,16 @@ Frame Renderer::render(const Scene& scene, RandomStream noise) {
   require_imageable(scene);
   Frame frame;
   const bool is_mosaic = scene.colouring.mode == ColourMode::kBayer;
-  const cv::Mat exposed = is_mosaic ? expose_mosaic(impl_->linear(scene), scene.sensor, noise)
-                                    : expose(impl_->linear(scene), scene.sensor, noise);
+  cv::Mat exposed = is_mosaic ? expose_mosaic(impl_->linear(scene), scene.sensor, noise)
+                              : expose(impl_->linear(scene), scene.sensor, noise);
+  std::string jpeg;
+  if (scene.sensor.jpeg_quality > 0) {
+    jpeg = jpeg_bytes(exposed, scene.sensor.jpeg_quality);
+    exposed = decode_picture(jpeg).pixels;
+  }
   if (exposed.channels() == 3) {
     frame.colour = exposed;
+    frame.colour_jpeg = std::move(jpeg);
     cv::cvtColor(exposed, frame.image, cv::COLOR_BGR2GRAY);
   } else {
     frame.image = exposed;

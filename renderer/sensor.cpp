@@ -10,7 +10,6 @@
 #include <opencv2/imgproc.hpp>
 
 #include "scenes/mesh/textures.h"
-#include "scenes/picture/picture_file.h"
 
 namespace sightline {
 namespace {
@@ -175,19 +174,14 @@ void encode_srgb_codes(cv::Mat& image, int bits) {
   }
 }
 
-cv::Mat compressed(const cv::Mat& image, const Sensor& sensor) {
-  if (sensor.jpeg_quality == 0) return image;
-  return decode_picture(jpeg_bytes(image, sensor.jpeg_quality)).pixels;
-}
-
 }  // namespace
 
 cv::Mat expose(const cv::Mat& linear, const Sensor& sensor, RandomStream noise) {
   const cv::Mat light = vignetted(linear, sensor.vignetting);
-  if (light.channels() == 1) return compressed(exposed(light, sensor, noise), sensor);
+  if (light.channels() == 1) return exposed(light, sensor, noise);
   cv::Mat image;
   cv::merge(exposed_channels(light, sensor, noise), image);
-  return compressed(image, sensor);
+  return image;
 }
 
 cv::Mat expose_mosaic(const cv::Mat& linear, const Sensor& sensor, RandomStream noise) {
@@ -201,7 +195,7 @@ cv::Mat expose_mosaic(const cv::Mat& linear, const Sensor& sensor, RandomStream 
   cv::demosaicing(mosaic, image, cv::COLOR_BayerRGGB2BGR);
   if (sensor.is_srgb && is_wide) encode_srgb_codes<uint16_t>(image, sensor.bits);
   if (sensor.is_srgb && !is_wide) encode_srgb_codes<uint8_t>(image, sensor.bits);
-  return compressed(image, sensor);
+  return image;
 }
 
 }  // namespace sightline

@@ -14,6 +14,16 @@ namespace {
 // What a second-level cache holds beside the triangles.
 constexpr size_t kStripBytes = 256 * 1024;
 
+// How far samples may lie from their pixel's centre along an axis, px.
+constexpr double kHalfPixel = 0.5;
+
+// One sample lies at the centre: small triangles then touch half as many pixels or none. A little
+// more, so that rounding leaves out no pixel whose centre lies on an edge: samples decide.
+double reach_of(const SamplePattern& pattern) {
+  constexpr double kRounding = 1e-6;
+  return pattern.count == 1 ? kRounding : kHalfPixel;
+}
+
 // A triangle ready to be sampled.
 struct FlatTriangle {
   double a[3], b[3], c[3];  // a x + b y + c >= 0 on the inside of each edge
@@ -27,8 +37,8 @@ struct Span {
   int lo, hi;
 };
 
-// The samples of a pixel lie within half a pixel of its centre: an edge function falls by at most
-// (|a| + |b|) / 2 towards them.
+// The samples of a pixel lie within the pattern's reach of its centre: an edge function falls by at
+// most that times (|a| + |b|) towards them.
 inline Span span_of_row(const FlatTriangle& t, const double* row, const double* reach,
                         const double* inverse_a) {
   double lo = t.left;
@@ -57,9 +67,9 @@ inline void clear(float* nearness, uint32_t* ids) {
 
 // `limits`: what is as near or nearer than that is not painted; used where HasLimits.
 template <int N, bool HasLimits>
-inline void paint_triangle(const FlatTriangle& t, const float* x_offset, const float* y_offset,
-                           const PixelBox& box, const float* limits, float* nearness, uint32_t* ids,
-                           uint8_t* is_touched) {
+inline void paint_triangle(const FlatTriangle& t, double reach_px, const float* x_offset,
+                           const float* y_offset, const PixelBox& box, const float* limits,
+                           float* nearness, uint32_t* ids, uint8_t* is_touched) {
   alignas(64) float edge0[N], edge1[N], edge2[N], depth[N];
   const float a0 = static_cast<float>(t.a[0]), b0 = static_cast<float>(t.b[0]);
   const float a1 = static_cast<float>(t.a[1]), b1 = static_cast<float>(t.b[1]);
@@ -74,7 +84,7 @@ inline void paint_triangle(const FlatTriangle& t, const float* x_offset, const f
   const uint32_t id = t.id;
   double reach[3], inverse_a[3];
   for (int i = 0; i < 3; ++i) {
-    reach[i] = 0.5 * (std::abs(t.a[i]) + std::abs(t.b[i]));
+    reach[i] = reach_px * (std::abs(t.a[i]) + std::abs(t.b[i]));
     inverse_a[i] = t.a[i] == 0 ? 0 : 1 / t.a[i];
   }
   const int bottom = std::min(t.bottom, box.bottom - 1);
@@ -112,45 +122,47 @@ inline void paint_triangle(const FlatTriangle& t, const float* x_offset, const f
 
 template <int N>
 inline void paint_all(const FlatTriangle* triangles, const int* order, size_t count,
-                      const float* x_offset, const float* y_offset, const PixelBox& box,
-                      const float* limits, float* nearness, uint32_t* ids, uint8_t* is_touched) {
+                      double reach_px, const float* x_offset, const float* y_offset,
+                      const PixelBox& box, const float* limits, float* nearness, uint32_t* ids,
+                      uint8_t* is_touched) {
   for (size_t i = 0; i < count; ++i) {
     const FlatTriangle& triangle = triangles[order[i]];
     if (limits == nullptr) {
-      paint_triangle<N, false>(triangle, x_offset, y_offset, box, limits, nearness, ids,
+      paint_triangle<N, false>(triangle, reach_px, x_offset, y_offset, box, limits, nearness, ids,
                                is_touched);
     } else {
-      paint_triangle<N, true>(triangle, x_offset, y_offset, box, limits, nearness, ids, is_touched);
+      paint_triangle<N, true>(triangle, reach_px, x_offset, y_offset, box, limits, nearness, ids,
+                              is_touched);
     }
   }
 }
 
 SIGHTLINE_MULTIVERSION
 void paint(int samples, const FlatTriangle* triangles, const int* order, size_t count,
-           const float* x_offset, const float* y_offset, const PixelBox& box, const float* limits,
-           float* nearness, uint32_t* ids, uint8_t* is_touched) {
+           double reach_px, const float* x_offset, const float* y_offset, const PixelBox& box,
+           const float* limits, float* nearness, uint32_t* ids, uint8_t* is_touched) {
   switch (samples) {
     case 1:
-      return paint_all<1>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
-                          is_touched);
+      return paint_all<1>(triangles, order, count, reach_px, x_offset, y_offset, box, limits,
+                          nearness, ids, is_touched);
     case 4:
-      return paint_all<4>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
-                          is_touched);
+      return paint_all<4>(triangles, order, count, reach_px, x_offset, y_offset, box, limits,
+                          nearness, ids, is_touched);
     case 8:
-      return paint_all<8>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
-                          is_touched);
+      return paint_all<8>(triangles, order, count, reach_px, x_offset, y_offset, box, limits,
+                          nearness, ids, is_touched);
     case 16:
-      return paint_all<16>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
-                           is_touched);
+      return paint_all<16>(triangles, order, count, reach_px, x_offset, y_offset, box, limits,
+                           nearness, ids, is_touched);
     case 32:
-      return paint_all<32>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
-                           is_touched);
+      return paint_all<32>(triangles, order, count, reach_px, x_offset, y_offset, box, limits,
+                           nearness, ids, is_touched);
     case 64:
-      return paint_all<64>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
-                           is_touched);
+      return paint_all<64>(triangles, order, count, reach_px, x_offset, y_offset, box, limits,
+                           nearness, ids, is_touched);
     default:
-      return paint_all<256>(triangles, order, count, x_offset, y_offset, box, limits, nearness, ids,
-                            is_touched);
+      return paint_all<256>(triangles, order, count, reach_px, x_offset, y_offset, box, limits,
+                            nearness, ids, is_touched);
   }
 }
 
@@ -172,14 +184,16 @@ class Extent {
     bottom_ = std::max({bottom_, p.y, q.y, r.y});
   }
 
-  // Those of the box that it reaches.
-  PixelBox pixels() const {
-    // Pixel x reaches from x - 0.5 to x + 0.5. Cut before the cast: far points exceed an int.
-    const auto first = [](double x, int low, int high) {
-      return static_cast<int>(std::ceil(std::clamp<double>(x - 0.5, low, high)));
+  // Those of the box that have samples in it.
+  PixelBox pixels(double reach_px) const {
+    // Samples of pixel x lie from x - reach to x + reach. Cut before the cast: far points exceed an
+    // int.
+    const auto first = [reach_px](double x, int low, int high) {
+      return static_cast<int>(std::ceil(std::clamp<double>(x - reach_px, low, high)));
     };
-    const auto end = [](double x, int low, int high) {
-      return static_cast<int>(std::floor(std::clamp<double>(x + 0.5, low - 1.0, high - 1.0))) + 1;
+    const auto end = [reach_px](double x, int low, int high) {
+      const double last = std::clamp<double>(x + reach_px, low - 1.0, high - 1.0);
+      return static_cast<int>(std::floor(last)) + 1;
     };
     return {first(left_, box_.left, box_.right), first(top_, box_.top, box_.bottom),
             end(right_, box_.left, box_.right), end(bottom_, box_.top, box_.bottom)};
@@ -190,6 +204,13 @@ class Extent {
   double left_, top_, right_, bottom_;
 };
 
+PixelBox touched_box(const std::array<ScreenPoint, 3>& corners, const PixelBox& box,
+                     double reach_px) {
+  Extent extent(box);
+  extent.add(corners);
+  return extent.pixels(reach_px);
+}
+
 // Twice the area, with the sign of the winding.
 double signed_area(const std::array<ScreenPoint, 3>& corners) {
   const auto& [p, q, r] = corners;
@@ -197,11 +218,11 @@ double signed_area(const std::array<ScreenPoint, 3>& corners) {
 }
 
 // Of a triangle that has an area and touches the box.
-FlatTriangle flattened(const std::array<ScreenPoint, 3>& corners, uint32_t id,
-                       const PixelBox& box) {
+FlatTriangle flattened(const std::array<ScreenPoint, 3>& corners, uint32_t id, const PixelBox& box,
+                       double reach_px) {
   const auto& [p, q, r] = corners;
   const double area = signed_area(corners);
-  const PixelBox touched = touched_box(corners, box);
+  const PixelBox touched = touched_box(corners, box, reach_px);
   FlatTriangle t;
   t.left = touched.left;
   t.top = touched.top;
@@ -231,6 +252,7 @@ class OwnPainter : public SamplePainter {
     mesh_ = &mesh;
     box_ = box;
     pattern_ = &pattern;
+    reach_px_ = reach_of(pattern);
     next_ = 0;
     batch_begin_ = batch_end_ = 0;
     begin_.clear();
@@ -271,8 +293,8 @@ class OwnPainter : public SamplePainter {
       if (at < batch_begin_ || at >= batch_end_) flatten_from(at);
       const int end = std::min(batch_end_, strip_end);
       paint(pattern_->count, flat_.data(), flat_order_.data() + (at - batch_begin_),
-            static_cast<size_t>(end - at), pattern_->x.data(), pattern_->y.data(), strip.box,
-            limits, strip.nearness.data(), strip.ids.data(), strip.is_touched.data());
+            static_cast<size_t>(end - at), reach_px_, pattern_->x.data(), pattern_->y.data(),
+            strip.box, limits, strip.nearness.data(), strip.ids.data(), strip.is_touched.data());
       at = end;
     }
   }
@@ -285,7 +307,7 @@ class OwnPainter : public SamplePainter {
   Strips strips_of(const ScreenTriangle& triangle) const {
     const auto corners = mesh_->corners_of(triangle);
     if (signed_area(corners) == 0) return {};
-    const PixelBox touched = touched_box(corners, box_);
+    const PixelBox touched = touched_box(corners, box_, reach_px_);
     if (touched.is_empty()) return {};
     return {(touched.top - box_.top) / rows_, (touched.bottom - 1 - box_.top) / rows_};
   }
@@ -325,7 +347,7 @@ class OwnPainter : public SamplePainter {
       if (known >= source_.size() || source_[known] != triangle) {
         const ScreenTriangle& from = mesh_->triangles[triangle];
         flat_of_[triangle] = static_cast<int>(flat_.size());
-        flat_.push_back(flattened(mesh_->corners_of(from), from.id, box_));
+        flat_.push_back(flattened(mesh_->corners_of(from), from.id, box_, reach_px_));
         source_.push_back(triangle);
       }
       flat_order_.push_back(flat_of_[triangle]);
@@ -335,6 +357,7 @@ class OwnPainter : public SamplePainter {
   const ScreenMesh* mesh_ = nullptr;
   PixelBox box_;
   const SamplePattern* pattern_ = nullptr;
+  double reach_px_ = kHalfPixel;
   int rows_ = 1;
   int next_ = 0;
   std::vector<Strips> strips_;           // of each triangle
@@ -353,13 +376,11 @@ class OwnPainter : public SamplePainter {
 PixelBox touched_box(const ScreenMesh& mesh, const PixelBox& box) {
   Extent extent(box);
   for (const ScreenTriangle& triangle : mesh.triangles) extent.add(mesh.corners_of(triangle));
-  return extent.pixels();
+  return extent.pixels(kHalfPixel);
 }
 
 PixelBox touched_box(const std::array<ScreenPoint, 3>& corners, const PixelBox& box) {
-  Extent extent(box);
-  extent.add(corners);
-  return extent.pixels();
+  return touched_box(corners, box, kHalfPixel);
 }
 
 std::unique_ptr<SamplePainter> make_own_painter() {

@@ -28,13 +28,6 @@ cv::Rect rect_of(const Json& box) {
   return {box.at(0).get<int>(), box.at(1).get<int>(), box.at(2).get<int>(), box.at(3).get<int>()};
 }
 
-bool shows_colours(const SetPlan& plan) {
-  const auto& setups = plan.images().setups;
-  return std::any_of(setups.begin(), setups.end(), [](const ImageSetup& setup) {
-    return setup.scene.colouring.mode != ColourMode::kGrey;
-  });
-}
-
 std::string colour_line(const SetPlan& plan, const LayoutText& layout) {
   if (!shows_colours(plan)) return "";
   return fmt::format(
@@ -164,6 +157,20 @@ std::vector<Json> annotated(const Json& truth) {
     if (!body.at("is_occluder").get<bool>()) bodies.push_back(body);
   }
   return bodies;
+}
+
+std::string_view colour_ending(const Frame& frame) {
+  if (frame.colour.empty()) return "";
+  return frame.colour_jpeg.empty() ? ".png" : ".jpg";
+}
+
+std::string_view colour_ending(const Json& truth) {
+  if (!is_in_colour(truth)) return "";
+  return truth.at("scene").at("sensor").contains("jpeg_quality") ? ".jpg" : ".png";
+}
+
+std::string colour_bytes(const Frame& frame) {
+  return frame.colour_jpeg.empty() ? png_bytes(frame.colour) : frame.colour_jpeg;
 }
 
 std::vector<InstanceMasks> masks_of(const Frame& frame) {

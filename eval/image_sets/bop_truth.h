@@ -31,6 +31,13 @@ struct InstanceMasks {
 /// Those of the bodies that BOP tells of, in the same order.
 std::vector<InstanceMasks> masks_of(const Frame& frame);
 
+/// ".png" or, of a sensor whose JPEG it is, ".jpg": how the file of a picture in colour ends; empty
+/// of an image in grey.
+std::string_view colour_ending(const Frame& frame);
+std::string_view colour_ending(const Json& truth);
+/// That file.
+std::string colour_bytes(const Frame& frame);
+
 // What an image with this truth says in BOP's files of cameras, poses and visibilities, and in the
 // list of targets.
 Json image_camera(const SetPlan& plan, const Json& truth);

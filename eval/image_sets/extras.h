@@ -18,7 +18,7 @@ struct SetImage;
 
 /// Which there are.
 struct SetExtras {
-  bool has_grey_tiff = false;    ///< BOP's grey as TIFF too, where its toolkit looks for it
+  bool has_grey_tiff = false;    ///< BOP's grey and depth as TIFF too, as its toolkit reads ITODD
   bool has_normals = false;      ///< of the surfaces that pixels see
   bool has_coordinates = false;  ///< where on their body these points lie
 };

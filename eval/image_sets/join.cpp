@@ -3,6 +3,7 @@
 #include "eval/image_sets/join.h"
 
 #include <algorithm>
+#include <future>
 
 #include <fmt/format.h>
 
@@ -24,6 +25,23 @@ void write_all(const fs::path& folder, const std::vector<SetFile>& files) {
   }
 }
 
+// The truth of an image, with what its files tell; none where it could not be made.
+std::optional<Json> whole_truth(const fs::path& folder, const SetPlan& plan, int64_t index) {
+  stop_if_interrupted();
+  std::optional<Json> truth = read_truth(folder, plan, index);
+  if (!truth) {
+    throw InputError(fmt::format("{}: cannot be read as a truth; remove it and --resume",
+                                 (folder / truth_path(plan, index)).string()));
+  }
+  if (truth->contains("failure")) return std::nullopt;
+  if (!add_told_by_files(folder, plan, *truth)) {
+    throw InputError(
+        fmt::format("{}: the files of this image are missing or torn; remove it and --resume",
+                    (folder / truth_path(plan, index)).string()));
+  }
+  return truth;
+}
+
 }  // namespace
 
 bool add_told_by_files(const fs::path& folder, const SetPlan& plan, Json& truth) {
@@ -33,23 +51,26 @@ bool add_told_by_files(const fs::path& folder, const SetPlan& plan, Json& truth)
   return !told.is_null();
 }
 
-std::vector<Json> read_truths(const fs::path& folder, const SetPlan& plan, int64_t chunk) {
+std::vector<Json> read_truths(const fs::path& folder, const SetPlan& plan, int64_t chunk,
+                              int jobs) {
+  const int64_t begin = chunk * plan.chunk;
+  std::vector<std::optional<Json>> all(
+      static_cast<size_t>(std::min(plan.count, begin + plan.chunk) - begin));
+  const auto readers = static_cast<size_t>(std::max(jobs, 1));
+  const auto read_share = [&](size_t first) {
+    for (size_t i = first; i < all.size(); i += readers) {
+      all[i] = whole_truth(folder, plan, begin + static_cast<int64_t>(i));
+    }
+  };
+  std::vector<std::future<void>> others;
+  for (size_t i = 1; i < readers; ++i) {
+    others.push_back(std::async(std::launch::async, read_share, i));
+  }
+  read_share(0);
+  for (std::future<void>& other : others) other.get();
   std::vector<Json> truths;
-  const int64_t end = std::min(plan.count, (chunk + 1) * plan.chunk);
-  for (int64_t index = chunk * plan.chunk; index < end; ++index) {
-    stop_if_interrupted();
-    std::optional<Json> truth = read_truth(folder, plan, index);
-    if (!truth) {
-      throw InputError(fmt::format("{}: cannot be read as a truth; remove it and --resume",
-                                   (folder / truth_path(plan, index)).string()));
-    }
-    if (truth->contains("failure")) continue;
-    if (!add_told_by_files(folder, plan, *truth)) {
-      throw InputError(
-          fmt::format("{}: the files of this image are missing or torn; remove it and --resume",
-                      (folder / truth_path(plan, index)).string()));
-    }
-    truths.push_back(std::move(*truth));
+  for (std::optional<Json>& truth : all) {
+    if (truth) truths.push_back(std::move(*truth));
   }
   return truths;
 }
@@ -65,13 +86,13 @@ std::string list_lines(const SetPlan& plan, std::span<const Json> truths, bool i
   return lines;
 }
 
-int64_t join_set(const SetPlan& plan, const fs::path& folder) {
+int64_t join_set(const SetPlan& plan, const fs::path& folder, int jobs) {
   int64_t images = 0;
   std::string list(kListBegin);
   bool is_first = true;
   write_all(folder, plan.format->set_files(plan));
   for (int64_t chunk = 0; chunk < plan.chunk_count(); ++chunk) {
-    const std::vector<Json> truths = read_truths(folder, plan, chunk);
+    const std::vector<Json> truths = read_truths(folder, plan, chunk, jobs);
     images += static_cast<int64_t>(truths.size());
     write_all(folder, plan.format->chunk_files(plan, chunk, truths));
     const std::string lines = list_lines(plan, truths, is_first);

@@ -14,9 +14,10 @@ namespace sightline {
 bool add_told_by_files(const std::filesystem::path& folder, const SetPlan& plan, Json& truth);
 
 /// Reads a chunk's truths in the order of the images, less those of images that could not be made,
-/// each with what its files tell. Throws InputError for one that cannot be read.
+/// each with what its files tell, by so many threads. Throws InputError for one that cannot be
+/// read.
 std::vector<Json> read_truths(const std::filesystem::path& folder, const SetPlan& plan,
-                              int64_t chunk);
+                              int64_t chunk, int jobs);
 
 /// The elements of truths in the set's list of images, a line each.
 std::string list_lines(const SetPlan& plan, std::span<const Json> truths, bool is_first);
@@ -26,6 +27,6 @@ inline constexpr std::string_view kListEnd = "\n]\n";
 
 /// Writes the files that tell of several images. All truths must be there. Returns the number of
 /// scenes that could not be imaged.
-int64_t join_set(const SetPlan& plan, const std::filesystem::path& folder);
+int64_t join_set(const SetPlan& plan, const std::filesystem::path& folder, int jobs);
 
 }  // namespace sightline

@@ -222,7 +222,7 @@ SetResult render_set(const SetPlan& plan, const SetOptions& options) {
     const SetLock::Alone alone(lock);
     require_unchanged(plan, folder);
     result.is_complete = is_all_done(plan, folder);
-    if (result.is_complete) result.failed = join_set(plan, folder);
+    if (result.is_complete) result.failed = join_set(plan, folder, options.jobs);
   } catch (const Interrupted&) {
     throw Interrupted("interrupted; finished images are kept for --resume");
   }

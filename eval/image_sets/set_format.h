@@ -27,7 +27,7 @@ struct SetFormat {
   std::string_view summary;
   /// What to tell whoever renders with lens distortion, where the format has no place for it.
   std::string_view lens_note;
-  /// Whether it has a place for grey pictures as .tiff too (render --also tiff).
+  /// Whether it has a place for grey pictures as TIFF too: sets in grey then have them.
   bool has_grey_tiff = false;
 
   /// The files of one image, the picture first.

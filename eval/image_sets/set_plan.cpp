@@ -165,6 +165,13 @@ int object_id(const SetPlan& plan, const Target& target) {
   return 0;
 }
 
+bool shows_colours(const SetPlan& plan) {
+  const auto& setups = plan.images().setups;
+  return std::any_of(setups.begin(), setups.end(), [](const ImageSetup& setup) {
+    return setup.scene.colouring.mode != ColourMode::kGrey;
+  });
+}
+
 SetPlan plan_set(const SetRequest& request) {
   SetPlan plan;
   plan.format = &find_set_format(request.format);
@@ -176,6 +183,8 @@ SetPlan plan_set(const SetRequest& request) {
   if (plan.extras.has_grey_tiff && !plan.format->has_grey_tiff) {
     throw InputError(fmt::format("--also tiff: is of BOP's formats, not of {}", plan.format->name));
   }
+  // BOP's toolkit looks for pictures in rgb/, or for TIFF, as ITODD has it.
+  if (plan.format->has_grey_tiff && !shows_colours(plan)) plan.extras.has_grey_tiff = true;
   plan.gl = request.gl;
   plan.depth_scale = request.depth_scale.value_or(finest_depth_scale(farthest_m(plan.images())));
   plan.objects = objects_of(plan.images());

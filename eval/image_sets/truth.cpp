@@ -144,7 +144,7 @@ std::vector<SetFile> truth_files(const SetPlan& plan, const SetImage& image) {
   std::vector<SetFile> files;
   const std::vector<std::string> exact = exact_file_paths(plan, image.index);
   if (!exact.empty()) {
-    files = {{exact[0], tiff_bytes(relative_depth(image))},
+    files = {{exact[0], tiff_bytes(relative_depth(image), TiffPacking::kDeflate)},
              {exact[1], png_bytes(image.frame.part_ids)}};
   }
   for (SetFile& file : extra_files(plan.extras, image, stem_of(plan, image.index))) {

@@ -173,6 +173,7 @@ constexpr Library kLibraries[] = {
     {"Draco", "libdraco-dev", "Apache-2.0"},
     {"Eigen", "libeigen3-dev", "MPL-2.0"},
     {"fmt", "libfmt-dev", "MIT"},
+    {"ISA-L", "libisal-dev", "BSD-3-Clause"},
     {"JSON for Modern C++", "nlohmann-json3-dev", "MIT"},
     {"libjpeg-turbo", "libturbojpeg0-dev", "IJG AND BSD-3-Clause"},
     {"libpng", "libpng-dev", "libpng-2.0"},

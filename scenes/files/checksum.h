@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -9,6 +10,7 @@ namespace sightline {
 
 /// The CRC-32 of bytes, as zlib, gzip and PNG have it, in eight hexadecimal digits. It tells bytes
 /// that were exchanged or damaged, not those that somebody forged.
+uint32_t crc32(std::string_view bytes);
 std::string crc32_text(std::string_view bytes);
 
 }  // namespace sightline

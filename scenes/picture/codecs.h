@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -43,6 +44,9 @@ PictureReading decode_bmp(std::string_view bytes);
 /// Of these, blue, green and red as 32-bit floats.
 PictureReading decode_exr(std::string_view bytes);
 PictureReading decode_hdr(std::string_view bytes);
+
+/// The bytes as a stream of zlib's, as PNG and TIFF have them, packed fast.
+std::string zlib_packed(std::span<const uint8_t> bytes);
 
 /// How a JPEG's Exif block says that the picture is turned: 1 (upright) to 8, 1 where it says
 /// nothing.

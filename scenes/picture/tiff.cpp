@@ -117,37 +117,64 @@ PictureReading decode_tiff(std::string_view bytes) {
   return type < 0 ? read_converted(tiff.get(), layout) : read_rows(tiff.get(), layout, type);
 }
 
-std::string tiff_bytes(const cv::Mat& picture) {
+namespace {
+
+constexpr int kBitsAByte = 8;
+
+void describe(TIFF* tiff, const cv::Mat& picture, TiffPacking packing) {
+  const auto pixel_bytes = static_cast<int>(picture.elemSize());
+  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, picture.cols);
+  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, picture.rows);
+  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, kBitsAByte * pixel_bytes);
+  TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
+  TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
+               picture.depth() == CV_32F ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT);
+  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  if (packing == TiffPacking::kDeflate) {
+    TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
+    TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, picture.rows);
+    return;
+  }
+  TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  // Strips of about 8 kB, as the format's specification recommends.
+  constexpr int kStripBytes = 1 << 13;
+  TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP,
+               std::clamp(kStripBytes / (picture.cols * pixel_bytes), 1, picture.rows));
+}
+
+bool write_plain(TIFF* tiff, const cv::Mat& picture) {
+  const size_t row_bytes = static_cast<size_t>(picture.cols) * picture.elemSize();
+  for (int v = 0; v < picture.rows; ++v) {
+    // libtiff swaps bytes in place where it must: it is given a copy.
+    std::vector<uint8_t> row(picture.ptr(v), picture.ptr(v) + row_bytes);
+    if (TIFFWriteScanline(tiff, row.data(), static_cast<uint32_t>(v)) != 1) return false;
+  }
+  return true;
+}
+
+// One strip. libtiff writes numbers as this machine has them.
+bool write_packed(TIFF* tiff, const cv::Mat& picture) {
+  const cv::Mat rows = picture.isContinuous() ? picture : picture.clone();
+  std::string packed = zlib_packed({rows.data, rows.total() * rows.elemSize()});
+  const auto size = static_cast<tmsize_t>(packed.size());
+  return TIFFWriteRawStrip(tiff, 0, packed.data(), size) == size;
+}
+
+}  // namespace
+
+std::string tiff_bytes(const cv::Mat& picture, TiffPacking packing) {
   const int type = picture.type();
   if (picture.empty() || (type != CV_8UC1 && type != CV_16UC1 && type != CV_32FC1)) {
     throw std::runtime_error("tiff_bytes: one channel of 8, 16 or 32 bits is written alone");
   }
-  const auto pixel_bytes = static_cast<int>(picture.elemSize());
-  constexpr int kBitsAByte = 8;
   std::ostringstream stream(std::ios::binary);
   Tiff tiff(TIFFStreamOpen("picture", static_cast<std::ostream*>(&stream)));
   if (tiff == nullptr) throw std::bad_alloc();
-  TIFFSetField(tiff.get(), TIFFTAG_IMAGEWIDTH, picture.cols);
-  TIFFSetField(tiff.get(), TIFFTAG_IMAGELENGTH, picture.rows);
-  TIFFSetField(tiff.get(), TIFFTAG_BITSPERSAMPLE, kBitsAByte * pixel_bytes);
-  TIFFSetField(tiff.get(), TIFFTAG_SAMPLESPERPIXEL, 1);
-  TIFFSetField(tiff.get(), TIFFTAG_SAMPLEFORMAT,
-               type == CV_32FC1 ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT);
-  TIFFSetField(tiff.get(), TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
-  TIFFSetField(tiff.get(), TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
-  TIFFSetField(tiff.get(), TIFFTAG_COMPRESSION, COMPRESSION_NONE);
-  // Strips of about 8 kB, as the format's specification recommends.
-  constexpr int kStripBytes = 1 << 13;
-  const int row_bytes = picture.cols * pixel_bytes;
-  TIFFSetField(tiff.get(), TIFFTAG_ROWSPERSTRIP,
-               std::clamp(kStripBytes / row_bytes, 1, picture.rows));
-  for (int v = 0; v < picture.rows; ++v) {
-    // libtiff swaps bytes in place where it must: it is given a copy.
-    std::vector<uint8_t> row(picture.ptr(v), picture.ptr(v) + row_bytes);
-    if (TIFFWriteScanline(tiff.get(), row.data(), static_cast<uint32_t>(v)) != 1) {
-      throw std::runtime_error("tiff_bytes: a row cannot be written");
-    }
-  }
+  describe(tiff.get(), picture, packing);
+  const bool is_written = packing == TiffPacking::kDeflate ? write_packed(tiff.get(), picture)
+                                                           : write_plain(tiff.get(), picture);
+  if (!is_written) throw std::runtime_error("tiff_bytes: the picture cannot be written");
   tiff.reset();
   return std::move(stream).str();
 }

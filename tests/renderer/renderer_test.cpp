@@ -17,6 +17,7 @@
 #include "renderer/visibility.h"
 #include "scenes/builders/cube.h"
 #include "scenes/files/input_error.h"
+#include "scenes/picture/picture_file.h"
 #include "scenes/random/random.h"
 #include "tests/renderer/scenes_for_tests.h"
 
@@ -234,6 +235,26 @@ TEST(Renderer, TheSameSceneGivesTheSameFrame) {
   EXPECT_EQ(cv::norm(a.part_ids, b.part_ids, cv::NORM_INF), 0);
   EXPECT_EQ(cv::norm(a.depth_m, b.depth_m, cv::NORM_INF), 0);
   EXPECT_GT(cv::norm(a.image, other.image, cv::NORM_INF), 0);
+}
+
+TEST(Renderer, JpegLosesWhatItsQualitySaysAndItsFileIsThatOfThePicture) {
+  Scene scene = coverage_scene(build_cube().mesh, at(0, 0, 60, {0.3, 0.5, 0.1}));
+  scene.sensor.read_noise_grey = 5;
+  scene.colouring.mode = ColourMode::kRgb;
+  const auto rendered = [&](int quality) {
+    scene.sensor.jpeg_quality = quality;
+    return Renderer().render(scene, RandomStream(1, "sensor", 5));
+  };
+  const Frame whole = rendered(0);
+  EXPECT_TRUE(whole.colour_jpeg.empty());
+  const auto loss = [&whole](const Frame& other) {
+    return cv::norm(whole.colour, other.colour, cv::NORM_L1) /
+           static_cast<double>(3 * whole.colour.total());
+  };
+  const Frame fine = rendered(100), coarse = rendered(30);
+  EXPECT_LT(loss(fine), 2);  // colours have half the resolution at any quality
+  EXPECT_GT(loss(coarse), loss(fine) + 1);
+  EXPECT_EQ(cv::norm(decode_picture(coarse.colour_jpeg).pixels, coarse.colour, cv::NORM_INF), 0);
 }
 
 TEST(Renderer, SaysWhyASceneCannotBeImaged) {

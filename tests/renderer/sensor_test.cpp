@@ -140,20 +140,6 @@ TEST(Sensor, VignettingTakesItsShareInTheCorners) {
               1);  // 100^2 of 100^2 + 50^2
 }
 
-TEST(Sensor, JpegLosesWhatItsQualitySays) {
-  cv::Mat light(64, 64, CV_32F);
-  cv::randu(light, 0, 1);
-  const auto loss = [&](int quality) {
-    Sensor sensor = clean();
-    const cv::Mat whole = expose(light, sensor, stream());
-    sensor.jpeg_quality = quality;
-    return cv::norm(whole, expose(light, sensor, stream()), cv::NORM_L1) / 4096;
-  };
-  EXPECT_EQ(loss(0), 0);
-  EXPECT_LT(loss(100), 1);
-  EXPECT_GT(loss(30), 10);
-}
-
 TEST(Sensor, AMosaicKeepsFlatColoursAndBlursOthers) {
   Sensor sensor = clean();
   sensor.white_balance = {2, 1, 0.5};

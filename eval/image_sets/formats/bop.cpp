@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // Image sets in BOP's scenewise format (datasets/bop/layout.h): a scene is a chunk of the set.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
@@ -23,17 +25,18 @@ std::string scene_folder(int64_t chunk) {
   return fmt::format("{}/{}/", bop::kTestSplit, bop::scene_name(chunk));
 }
 
-// Where the files of an image lie, in the order in which they are told.
+// Where the files of an image lie.
 struct ImagePaths {
   std::string grey;
-  std::string grey_tiff;  // empty where the set has none
-  std::string colour;     // empty where the image has none
   std::string depth;
+  std::string grey_tiff, depth_tiff;       // empty where the set has none
+  std::string colour;                      // empty where the image has none
   std::vector<std::string> masks;          // an instance each
   std::vector<std::string> visible_masks;  // an instance each: its pixels that are seen
 };
 
-ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances, bool has_colour) {
+ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances,
+                    std::string_view colour_ending) {
   const std::string scene = scene_folder(plan.chunk_of(index));
   const int64_t im_id = plan.number_in_chunk(index);
   const auto path = [&scene](std::string_view folder, const std::string& name) {
@@ -41,11 +44,15 @@ ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances, bool 
   };
   ImagePaths paths;
   paths.grey = path(bop::kGreyFolder, bop::image_name(im_id));
+  paths.depth = path(bop::kDepthFolder, bop::image_name(im_id));
   if (plan.extras.has_grey_tiff) {
     paths.grey_tiff = fs::path(paths.grey).replace_extension(".tif").string();
+    paths.depth_tiff = fs::path(paths.depth).replace_extension(".tif").string();
   }
-  if (has_colour) paths.colour = path(bop::kColourFolder, bop::image_name(im_id));
-  paths.depth = path(bop::kDepthFolder, bop::image_name(im_id));
+  if (!colour_ending.empty()) {
+    paths.colour =
+        fmt::format("{}{}/{}{}", scene, bop::kColourFolder, bop::image_name(im_id), colour_ending);
+  }
   for (int64_t gt_id = 0; gt_id < instances; ++gt_id) {
     const std::string name = bop::mask_name(im_id, gt_id);
     paths.masks.push_back(path(bop::kMaskFolder, name));
@@ -56,9 +63,10 @@ ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances, bool 
 
 ImagePaths paths_of(const SetPlan& plan, const Json& truth) {
   return paths_of(plan, truth.at("index"), static_cast<int64_t>(bop::annotated(truth).size()),
-                  is_in_colour(truth));
+                  bop::colour_ending(truth));
 }
 
+// In the order in which they are told.
 std::vector<std::string> bop_image_paths(const SetPlan& plan, const Json& truth) {
   const ImagePaths paths = paths_of(plan, truth);
   std::vector<std::string> all = {paths.grey, paths.depth};
@@ -66,8 +74,9 @@ std::vector<std::string> bop_image_paths(const SetPlan& plan, const Json& truth)
     all.push_back(paths.masks[gt_id]);
     all.push_back(paths.visible_masks[gt_id]);
   }
-  if (!paths.grey_tiff.empty()) all.push_back(paths.grey_tiff);
-  if (!paths.colour.empty()) all.push_back(paths.colour);
+  for (const std::string& path : {paths.grey_tiff, paths.depth_tiff, paths.colour}) {
+    if (!path.empty()) all.push_back(path);
+  }
   return all;
 }
 
@@ -75,20 +84,23 @@ std::vector<SetFile> bop_image_files(const SetPlan& plan, const SetImage& image)
   const Frame& frame = image.frame;
   const std::vector<bop::InstanceMasks> masks = bop::masks_of(frame);
   const ImagePaths paths =
-      paths_of(plan, image.index, static_cast<int64_t>(masks.size()), !frame.colour.empty());
-  std::vector<SetFile> files = {
-      {paths.grey, png_bytes(frame.image)},
-      {paths.depth, png_bytes(bop::depth_steps(frame.depth_m, plan.depth_scale))},
-  };
+      paths_of(plan, image.index, static_cast<int64_t>(masks.size()), bop::colour_ending(frame));
+  const cv::Mat depth = bop::depth_steps(frame.depth_m, plan.depth_scale);
+  std::vector<SetFile> files = {{paths.grey, png_bytes(frame.image)},
+                                {paths.depth, png_bytes(depth)}};
   for (size_t gt_id = 0; gt_id < masks.size(); ++gt_id) {
     const auto& [whole, seen] = masks[gt_id];
     const std::string whole_png = png_bytes(whole);
-    const bool is_all_seen = cv::norm(whole, seen, cv::NORM_INF) == 0;
+    const bool is_all_seen =
+        std::equal(whole.datastart, whole.dataend, seen.datastart, seen.dataend);
     files.push_back({paths.masks[gt_id], whole_png});
     files.push_back({paths.visible_masks[gt_id], is_all_seen ? whole_png : png_bytes(seen)});
   }
-  if (!paths.grey_tiff.empty()) files.push_back({paths.grey_tiff, tiff_bytes(frame.image)});
-  if (!paths.colour.empty()) files.push_back({paths.colour, png_bytes(frame.colour)});
+  if (!paths.grey_tiff.empty()) {
+    files.push_back({paths.grey_tiff, tiff_bytes(frame.image)});
+    files.push_back({paths.depth_tiff, tiff_bytes(depth, TiffPacking::kDeflate)});
+  }
+  if (!paths.colour.empty()) files.push_back({paths.colour, bop::colour_bytes(frame)});
   return files;
 }
 
@@ -123,40 +135,42 @@ std::vector<SetFile> bop_chunk_files(const SetPlan& plan, int64_t chunk,
 
 std::vector<std::string> bop_image_problems(const SetPlan& plan, const fs::path& folder,
                                             const Json& truth) {
-  const std::vector<std::string> paths = bop_image_paths(plan, truth);
+  const ImagePaths paths = paths_of(plan, truth);
   const Json& camera = truth.at("camera");
   const cv::Size size(camera.at("width_px"), camera.at("height_px"));
-  std::vector<cv::Mat> pictures;
+  const int grey = truth.at("scene").at("sensor").at("bits") > 8 ? CV_16U : CV_8U;
   std::vector<std::string> problems;
-  for (size_t i = 0; i < paths.size(); ++i) {
-    pictures.push_back(read_picture(folder / paths[i]));
-    const bool is_colour = is_in_colour(truth) && i + 1 == paths.size();
-    const bool is_picture = i == 0 || is_colour || paths[i].ends_with(".tif");
-    const bool is_wide = i == 1 || (is_picture && truth.at("scene").at("sensor").at("bits") > 8);
-    const cv::Mat& picture = pictures.back();
-    const int type = CV_MAKETYPE(is_wide ? CV_16U : CV_8U, is_colour ? 3 : 1);
-    if (picture.size() == size && picture.type() == type) continue;
-    problems.push_back(paths[i] + " is torn, or not of the camera's size");
+  const auto picture = [&](const std::string& path, int type) {
+    cv::Mat pixels = read_picture(folder / path);
+    if (pixels.size() != size || pixels.type() != type) {
+      problems.push_back(path + " is torn, or not of the camera's size");
+    }
+    return bop::ReadPicture{path, std::move(pixels)};
+  };
+  picture(paths.grey, grey);
+  if (!paths.grey_tiff.empty()) picture(paths.grey_tiff, grey);
+  if (!paths.depth_tiff.empty()) picture(paths.depth_tiff, CV_16U);
+  if (!paths.colour.empty()) picture(paths.colour, CV_MAKETYPE(grey, 3));
+  bop::ReadImage image;
+  image.depth = picture(paths.depth, CV_16U);
+  for (size_t gt_id = 0; gt_id < paths.masks.size(); ++gt_id) {
+    image.masks.push_back(picture(paths.masks[gt_id], CV_8U));
+    image.visible_masks.push_back(picture(paths.visible_masks[gt_id], CV_8U));
   }
   if (!problems.empty()) return problems;
-  bop::ReadImage image;
-  image.depth = {paths[1], pictures[1]};
-  for (size_t gt_id = 0; gt_id < bop::annotated(truth).size(); ++gt_id) {
-    const size_t whole = 2 + 2 * gt_id, seen = whole + 1;
-    image.masks.push_back({paths[whole], pictures[whole]});
-    image.visible_masks.push_back({paths[seen], pictures[seen]});
-  }
   return bop::instances_problems(plan, folder, truth, image);
 }
 
 std::vector<SetFile> bop_set_files(const SetPlan& plan) {
-  return bop::set_files(plan, {.name = "scenewise",
-                               .grey = "gray/",
-                               .grey_tiff = "gray/ has each picture as .tif too.",
-                               .colour = "rgb/",
-                               .depth = "depth/",
-                               .masks = "mask/",
-                               .visible_masks = "mask_visib/"});
+  return bop::set_files(
+      plan, {.name = "scenewise",
+             .grey = "gray/",
+             .grey_tiff = "gray/ and depth/ have each picture as .tif too, as BOP's toolkit "
+                          "reads them of ITODD.",
+             .colour = "rgb/",
+             .depth = "depth/",
+             .masks = "mask/",
+             .visible_masks = "mask_visib/"});
 }
 
 }  // namespace

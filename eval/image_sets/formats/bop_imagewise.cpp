@@ -42,7 +42,7 @@ struct KeyPaths {
   std::string colour;     // empty where the image has none
 };
 
-KeyPaths key_paths(const SetPlan& plan, int64_t index, bool has_colour) {
+KeyPaths key_paths(const SetPlan& plan, int64_t index, std::string_view colour_ending) {
   const std::string begin = key_folder() + image_key(plan, index);
   KeyPaths paths = {.grey = begin + ".gray.png",
                     .depth = begin + ".depth.png",
@@ -54,12 +54,12 @@ KeyPaths key_paths(const SetPlan& plan, int64_t index, bool has_colour) {
                     .grey_tiff = "",
                     .colour = ""};
   if (plan.extras.has_grey_tiff) paths.grey_tiff = begin + ".gray.tiff";
-  if (has_colour) paths.colour = begin + ".rgb.png";
+  if (!colour_ending.empty()) paths.colour = fmt::format("{}.rgb{}", begin, colour_ending);
   return paths;
 }
 
 KeyPaths key_paths(const SetPlan& plan, const Json& truth) {
-  return key_paths(plan, truth.at("index"), is_in_colour(truth));
+  return key_paths(plan, truth.at("index"), bop::colour_ending(truth));
 }
 
 std::vector<std::string> imagewise_paths(const SetPlan& plan, const Json& truth) {
@@ -84,7 +84,7 @@ std::vector<SetFile> told_files(const SetPlan& plan, const KeyPaths& paths, cons
 
 std::vector<SetFile> imagewise_files(const SetPlan& plan, const SetImage& image) {
   const Frame& frame = image.frame;
-  const KeyPaths paths = key_paths(plan, image.index, !frame.colour.empty());
+  const KeyPaths paths = key_paths(plan, image.index, bop::colour_ending(frame));
   Json whole = Json::object(), visible = Json::object();
   const std::vector<bop::InstanceMasks> masks = bop::masks_of(frame);
   for (size_t gt_id = 0; gt_id < masks.size(); ++gt_id) {
@@ -100,7 +100,7 @@ std::vector<SetFile> imagewise_files(const SetPlan& plan, const SetImage& image)
     files.push_back(std::move(file));
   }
   if (!paths.grey_tiff.empty()) files.push_back({paths.grey_tiff, tiff_bytes(frame.image)});
-  if (!paths.colour.empty()) files.push_back({paths.colour, png_bytes(frame.colour)});
+  if (!paths.colour.empty()) files.push_back({paths.colour, bop::colour_bytes(frame)});
   return files;
 }
 
@@ -131,7 +131,7 @@ std::vector<SetFile> imagewise_set_files(const SetPlan& plan) {
   return bop::set_files(plan, {.name = "imagewise",
                                .grey = ".gray.png",
                                .grey_tiff = ".gray.tiff: the same as .gray.png.",
-                               .colour = ".rgb.png",
+                               .colour = ".rgb.png (or .jpg)",
                                .depth = ".depth.png",
                                .masks = ".mask.json",
                                .visible_masks = ".mask_visib.json"});

@@ -161,8 +161,8 @@ void add_render(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   sub->add_option(
          "--also", request.also,
-         "More pictures, by commas: tiff (BOP's gray/ as .tiff too), normals, nocs (object "
-         "coordinates)")
+         "More pictures, by commas: tiff (BOP's gray/ and depth/ as TIFF too, as sets in grey have "
+         "them anyway), normals, nocs (object coordinates)")
       ->delimiter(',')
       ->check(CLI::IsMember(extra_names()));
   sub->add_option("--depth-scale", request.depth_scale,

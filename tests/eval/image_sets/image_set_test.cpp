@@ -448,7 +448,7 @@ TEST_F(ImageSet, AFullDiskOrAForbiddenFolderIsOneLine) {
 TEST_F(ImageSet, ADryRunSaysWhatASetWillTake) {
   const Outcome outcome = render("set", "--count 1000 --dry-run --jobs 2");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
-  EXPECT_THAT(outcome.output, HasSubstr("7000 files"));
+  EXPECT_THAT(outcome.output, HasSubstr("9000 files"));
   EXPECT_THAT(outcome.output, HasSubstr("depth_scale"));
   EXPECT_FALSE(fs::exists(path("set")));
   EXPECT_THAT(render("set", "--count 9 --dry-run --depth-scale 0.01").output,
