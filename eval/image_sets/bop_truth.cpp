@@ -61,7 +61,7 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
   y down, z forward. Millimetres here, metres in sightline/.
 - Lens distortion has no place in this format: {names} = {coefficients}
   ({model}, OpenCV's signs), also in sightline/.
-{tiff}{extras}- models_eval/ has the meshes as they were rendered; models/ the same, of a set in colour with
+{extras}- models_eval/ has the meshes as they were rendered; models/ the same, of a set in colour with
   normals and colours.
 )",
       fmt::arg("layout", layout.name), fmt::arg("gray_path", layout.grey),
@@ -72,7 +72,6 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
       fmt::arg("objects", objects), fmt::arg("grey", encoding.grey),
       fmt::arg("encoding", encoding.sentence), fmt::arg("extras", extras_text(plan.extras)),
       fmt::arg("rgb", colour_line(plan, layout)),
-      fmt::arg("tiff", plan.extras.has_grey_tiff ? fmt::format("- {}\n", layout.grey_tiff) : ""),
       fmt::arg("bits", plan.images().setups.front().scene.sensor.bits),
       fmt::arg("white", (1 << plan.images().setups.front().scene.sensor.bits) - 1),
       fmt::arg("depth_scale", plan.depth_scale),
@@ -159,18 +158,22 @@ std::vector<Json> annotated(const Json& truth) {
   return bodies;
 }
 
-std::string_view colour_ending(const Frame& frame) {
-  if (frame.colour.empty()) return "";
+std::string_view colour_ending(const SetPlan& plan, const Frame& frame) {
+  if (frame.colour.empty()) return plan.extras.has_rgb_of_grey ? ".png" : "";
   return frame.colour_jpeg.empty() ? ".png" : ".jpg";
 }
 
-std::string_view colour_ending(const Json& truth) {
-  if (!is_in_colour(truth)) return "";
+std::string_view colour_ending(const SetPlan& plan, const Json& truth) {
+  if (!is_in_colour(truth)) return plan.extras.has_rgb_of_grey ? ".png" : "";
   return truth.at("scene").at("sensor").contains("jpeg_quality") ? ".jpg" : ".png";
 }
 
 std::string colour_bytes(const Frame& frame) {
-  return frame.colour_jpeg.empty() ? png_bytes(frame.colour) : frame.colour_jpeg;
+  if (!frame.colour_jpeg.empty()) return frame.colour_jpeg;
+  if (!frame.colour.empty()) return png_bytes(frame.colour);
+  cv::Mat alike;
+  cv::cvtColor(frame.image, alike, cv::COLOR_GRAY2BGR);
+  return png_bytes(alike);
 }
 
 std::vector<InstanceMasks> masks_of(const Frame& frame) {

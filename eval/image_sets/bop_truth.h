@@ -31,11 +31,11 @@ struct InstanceMasks {
 /// Those of the bodies that BOP tells of, in the same order.
 std::vector<InstanceMasks> masks_of(const Frame& frame);
 
-/// ".png" or, of a sensor whose JPEG it is, ".jpg": how the file of a picture in colour ends; empty
-/// of an image in grey.
-std::string_view colour_ending(const Frame& frame);
-std::string_view colour_ending(const Json& truth);
-/// That file.
+/// ".png" or, of a sensor whose JPEG it is, ".jpg": how the file in rgb/ ends; empty where an image
+/// has none.
+std::string_view colour_ending(const SetPlan& plan, const Frame& frame);
+std::string_view colour_ending(const SetPlan& plan, const Json& truth);
+/// That file; of a picture in grey with three channels alike.
 std::string colour_bytes(const Frame& frame);
 
 // What an image with this truth says in BOP's files of cameras, poses and visibilities, and in the
@@ -53,7 +53,6 @@ AnnotatedImage annotated_image(const SetPlan& plan, const Json& truth, std::stri
 struct LayoutText {
   std::string_view name;
   std::string_view grey;
-  std::string_view grey_tiff;  ///< a sentence, where there are some
   std::string_view colour;
   std::string_view depth;
   std::string_view masks;

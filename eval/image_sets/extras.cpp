@@ -26,7 +26,9 @@ struct Extra {
   bool SetExtras::*is_there;
 };
 
-constexpr std::array<Extra, 3> kExtras = {{{"tiff", &SetExtras::has_grey_tiff},
+constexpr std::array<Extra, 5> kExtras = {{{"itodd", &SetExtras::has_itodd_tif},
+                                           {"tiff", &SetExtras::has_grey_tiff},
+                                           {"rgb", &SetExtras::has_rgb_of_grey},
                                            {"normals", &SetExtras::has_normals},
                                            {"nocs", &SetExtras::has_coordinates}}};
 
@@ -102,6 +104,14 @@ SetExtras extras_named(std::span<const std::string> names) {
   return extras;
 }
 
+SetExtras joined(const SetExtras& a, const SetExtras& b) {
+  SetExtras all;
+  for (const Extra& extra : kExtras) {
+    all.*extra.is_there = a.*extra.is_there || b.*extra.is_there;
+  }
+  return all;
+}
+
 std::vector<SetFile> extra_files(const SetExtras& extras, const SetImage& image,
                                  const std::string& stem) {
   std::vector<SetFile> files;
@@ -136,6 +146,16 @@ std::vector<std::string> extra_paths(const SetExtras& extras, const std::string&
 
 std::string extras_text(const SetExtras& extras) {
   std::string text;
+  if (extras.has_itodd_tif) {
+    text +=
+        "- gray/ and depth/ have each picture as .tif too: BOP's toolkit reads the set under the "
+        "name\n"
+        "  itodd, the one of its own that is grey.\n";
+  }
+  if (extras.has_grey_tiff) {
+    text += "- Each grey picture is there as .tiff too, as BOP's readers of folders want it.\n";
+  }
+  if (extras.has_rgb_of_grey) text += "- Each grey picture is there as one in colour too.\n";
   if (extras.has_normals) {
     text +=
         "- sightline/*/*_normals.png: normals as they are lit, towards the camera; red, green and\n"

@@ -18,7 +18,9 @@ struct SetImage;
 
 /// Which there are.
 struct SetExtras {
-  bool has_grey_tiff = false;    ///< BOP's grey and depth as TIFF too, as its toolkit reads ITODD
+  bool has_itodd_tif = false;    ///< BOP's grey and depth as .tif, as its toolkit reads ITODD
+  bool has_grey_tiff = false;    ///< BOP's grey as .tiff, as its toolkit's readers of folders do
+  bool has_rgb_of_grey = false;  ///< BOP's rgb/ of grey pictures, for who reads nothing else
   bool has_normals = false;      ///< of the surfaces that pixels see
   bool has_coordinates = false;  ///< where on their body these points lie
 };
@@ -28,6 +30,8 @@ std::vector<std::string> extra_names();
 std::vector<std::string> names_of(const SetExtras& extras);
 /// Throws InputError when a name is none.
 SetExtras extras_named(std::span<const std::string> names);
+/// Those of either.
+SetExtras joined(const SetExtras& a, const SetExtras& b);
 
 /// The pictures of one image, and their paths, which begin with `stem`. Red, green and blue of
 /// normals are x, y and z in the camera's axes, 65535 (n + 1) / 2; those of object coordinates x, y

@@ -27,8 +27,9 @@ struct SetFormat {
   std::string_view summary;
   /// What to tell whoever renders with lens distortion, where the format has no place for it.
   std::string_view lens_note;
-  /// Whether it has a place for grey pictures as TIFF too: sets in grey then have them.
-  bool has_grey_tiff = false;
+  /// More pictures that it has a place for (render --also), and which sets in grey have unasked.
+  SetExtras extras = {.has_normals = true, .has_coordinates = true};
+  SetExtras grey_extras = {};
 
   /// The files of one image, the picture first.
   std::vector<SetFile> (*image_files)(const SetPlan& plan, const SetImage& image);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <opencv2/imgproc.hpp>
 
 #include "eval/image_sets/set_format.h"
@@ -180,11 +181,13 @@ SetPlan plan_set(const SetRequest& request) {
   plan.chunk = request.chunk;
   plan.has_full_truth = request.has_full_truth;
   plan.extras = extras_named(request.also);
-  if (plan.extras.has_grey_tiff && !plan.format->has_grey_tiff) {
-    throw InputError(fmt::format("--also tiff: is of BOP's formats, not of {}", plan.format->name));
+  const std::vector<std::string> possible = names_of(plan.format->extras);
+  for (const std::string& name : request.also) {
+    if (is_one_of(name, possible)) continue;
+    throw InputError(fmt::format("--also {}: the format {} has no place for it, but for {}", name,
+                                 plan.format->name, fmt::join(possible, ", ")));
   }
-  // BOP's toolkit looks for pictures in rgb/, or for TIFF, as ITODD has it.
-  if (plan.format->has_grey_tiff && !shows_colours(plan)) plan.extras.has_grey_tiff = true;
+  if (!shows_colours(plan)) plan.extras = joined(plan.extras, plan.format->grey_extras);
   plan.gl = request.gl;
   plan.depth_scale = request.depth_scale.value_or(finest_depth_scale(farthest_m(plan.images())));
   plan.objects = objects_of(plan.images());

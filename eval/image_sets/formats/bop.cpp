@@ -29,7 +29,8 @@ std::string scene_folder(int64_t chunk) {
 struct ImagePaths {
   std::string grey;
   std::string depth;
-  std::string grey_tiff, depth_tiff;       // empty where the set has none
+  // Empty where the set has none.
+  std::string grey_tif, depth_tif, grey_tiff;
   std::string colour;                      // empty where the image has none
   std::vector<std::string> masks;          // an instance each
   std::vector<std::string> visible_masks;  // an instance each: its pixels that are seen
@@ -45,9 +46,12 @@ ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances,
   ImagePaths paths;
   paths.grey = path(bop::kGreyFolder, bop::image_name(im_id));
   paths.depth = path(bop::kDepthFolder, bop::image_name(im_id));
+  if (plan.extras.has_itodd_tif) {
+    paths.grey_tif = fs::path(paths.grey).replace_extension(".tif").string();
+    paths.depth_tif = fs::path(paths.depth).replace_extension(".tif").string();
+  }
   if (plan.extras.has_grey_tiff) {
-    paths.grey_tiff = fs::path(paths.grey).replace_extension(".tif").string();
-    paths.depth_tiff = fs::path(paths.depth).replace_extension(".tif").string();
+    paths.grey_tiff = fs::path(paths.grey).replace_extension(".tiff").string();
   }
   if (!colour_ending.empty()) {
     paths.colour =
@@ -63,7 +67,7 @@ ImagePaths paths_of(const SetPlan& plan, int64_t index, int64_t instances,
 
 ImagePaths paths_of(const SetPlan& plan, const Json& truth) {
   return paths_of(plan, truth.at("index"), static_cast<int64_t>(bop::annotated(truth).size()),
-                  bop::colour_ending(truth));
+                  bop::colour_ending(plan, truth));
 }
 
 // In the order in which they are told.
@@ -74,7 +78,7 @@ std::vector<std::string> bop_image_paths(const SetPlan& plan, const Json& truth)
     all.push_back(paths.masks[gt_id]);
     all.push_back(paths.visible_masks[gt_id]);
   }
-  for (const std::string& path : {paths.grey_tiff, paths.depth_tiff, paths.colour}) {
+  for (const std::string& path : {paths.grey_tif, paths.depth_tif, paths.grey_tiff, paths.colour}) {
     if (!path.empty()) all.push_back(path);
   }
   return all;
@@ -83,8 +87,8 @@ std::vector<std::string> bop_image_paths(const SetPlan& plan, const Json& truth)
 std::vector<SetFile> bop_image_files(const SetPlan& plan, const SetImage& image) {
   const Frame& frame = image.frame;
   const std::vector<bop::InstanceMasks> masks = bop::masks_of(frame);
-  const ImagePaths paths =
-      paths_of(plan, image.index, static_cast<int64_t>(masks.size()), bop::colour_ending(frame));
+  const ImagePaths paths = paths_of(plan, image.index, static_cast<int64_t>(masks.size()),
+                                    bop::colour_ending(plan, frame));
   const cv::Mat depth = bop::depth_steps(frame.depth_m, plan.depth_scale);
   std::vector<SetFile> files = {{paths.grey, png_bytes(frame.image)},
                                 {paths.depth, png_bytes(depth)}};
@@ -96,10 +100,11 @@ std::vector<SetFile> bop_image_files(const SetPlan& plan, const SetImage& image)
     files.push_back({paths.masks[gt_id], whole_png});
     files.push_back({paths.visible_masks[gt_id], is_all_seen ? whole_png : png_bytes(seen)});
   }
-  if (!paths.grey_tiff.empty()) {
-    files.push_back({paths.grey_tiff, tiff_bytes(frame.image)});
-    files.push_back({paths.depth_tiff, tiff_bytes(depth, TiffPacking::kDeflate)});
+  if (!paths.grey_tif.empty()) {
+    files.push_back({paths.grey_tif, tiff_bytes(frame.image)});
+    files.push_back({paths.depth_tif, tiff_bytes(depth, TiffPacking::kDeflate)});
   }
+  if (!paths.grey_tiff.empty()) files.push_back({paths.grey_tiff, tiff_bytes(frame.image)});
   if (!paths.colour.empty()) files.push_back({paths.colour, bop::colour_bytes(frame)});
   return files;
 }
@@ -148,8 +153,9 @@ std::vector<std::string> bop_image_problems(const SetPlan& plan, const fs::path&
     return bop::ReadPicture{path, std::move(pixels)};
   };
   picture(paths.grey, grey);
+  if (!paths.grey_tif.empty()) picture(paths.grey_tif, grey);
+  if (!paths.depth_tif.empty()) picture(paths.depth_tif, CV_16U);
   if (!paths.grey_tiff.empty()) picture(paths.grey_tiff, grey);
-  if (!paths.depth_tiff.empty()) picture(paths.depth_tiff, CV_16U);
   if (!paths.colour.empty()) picture(paths.colour, CV_MAKETYPE(grey, 3));
   bop::ReadImage image;
   image.depth = picture(paths.depth, CV_16U);
@@ -162,15 +168,12 @@ std::vector<std::string> bop_image_problems(const SetPlan& plan, const fs::path&
 }
 
 std::vector<SetFile> bop_set_files(const SetPlan& plan) {
-  return bop::set_files(
-      plan, {.name = "scenewise",
-             .grey = "gray/",
-             .grey_tiff = "gray/ and depth/ have each picture as .tif too, as BOP's toolkit "
-                          "reads them of ITODD.",
-             .colour = "rgb/",
-             .depth = "depth/",
-             .masks = "mask/",
-             .visible_masks = "mask_visib/"});
+  return bop::set_files(plan, {.name = "scenewise",
+                               .grey = "gray/",
+                               .colour = "rgb/",
+                               .depth = "depth/",
+                               .masks = "mask/",
+                               .visible_masks = "mask_visib/"});
 }
 
 }  // namespace
@@ -179,7 +182,12 @@ SetFormat bop_format() {
   return {.name = "bop",
           .summary = "Benchmark for 6D Object Pose Estimation, scenewise",
           .lens_note = "BOP has no lens distortion; it stands in dataset_info.md and sightline/",
-          .has_grey_tiff = true,
+          .extras = {.has_itodd_tif = true,
+                     .has_grey_tiff = true,
+                     .has_rgb_of_grey = true,
+                     .has_normals = true,
+                     .has_coordinates = true},
+          .grey_extras = {.has_itodd_tif = true},
           .image_files = bop_image_files,
           .image_paths = bop_image_paths,
           .image_problems = bop_image_problems,

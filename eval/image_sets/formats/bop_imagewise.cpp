@@ -59,7 +59,7 @@ KeyPaths key_paths(const SetPlan& plan, int64_t index, std::string_view colour_e
 }
 
 KeyPaths key_paths(const SetPlan& plan, const Json& truth) {
-  return key_paths(plan, truth.at("index"), bop::colour_ending(truth));
+  return key_paths(plan, truth.at("index"), bop::colour_ending(plan, truth));
 }
 
 std::vector<std::string> imagewise_paths(const SetPlan& plan, const Json& truth) {
@@ -84,7 +84,7 @@ std::vector<SetFile> told_files(const SetPlan& plan, const KeyPaths& paths, cons
 
 std::vector<SetFile> imagewise_files(const SetPlan& plan, const SetImage& image) {
   const Frame& frame = image.frame;
-  const KeyPaths paths = key_paths(plan, image.index, bop::colour_ending(frame));
+  const KeyPaths paths = key_paths(plan, image.index, bop::colour_ending(plan, frame));
   Json whole = Json::object(), visible = Json::object();
   const std::vector<bop::InstanceMasks> masks = bop::masks_of(frame);
   for (size_t gt_id = 0; gt_id < masks.size(); ++gt_id) {
@@ -130,7 +130,6 @@ std::vector<SetFile> imagewise_chunk_files(const SetPlan& plan, int64_t chunk,
 std::vector<SetFile> imagewise_set_files(const SetPlan& plan) {
   return bop::set_files(plan, {.name = "imagewise",
                                .grey = ".gray.png",
-                               .grey_tiff = ".gray.tiff: the same as .gray.png.",
                                .colour = ".rgb.png (or .jpg)",
                                .depth = ".depth.png",
                                .masks = ".mask.json",
@@ -179,7 +178,11 @@ SetFormat bop_imagewise_format() {
   return {.name = "bop_imagewise",
           .summary = "the same, all files of an image side by side",
           .lens_note = "BOP has no lens distortion; it stands in dataset_info.md and sightline/",
-          .has_grey_tiff = true,
+          .extras = {.has_grey_tiff = true,
+                     .has_rgb_of_grey = true,
+                     .has_normals = true,
+                     .has_coordinates = true},
+          .grey_extras = {.has_grey_tiff = true},
           .image_files = imagewise_files,
           .image_paths = imagewise_paths,
           .image_problems = imagewise_problems,

@@ -41,7 +41,7 @@ TEST_F(ImagewiseSet, HasEachImagesFilesSideBySide) {
     EXPECT_EQ(read(key + ".gt.json"), read(folder + "scene_gt.json")[number]);
     EXPECT_EQ(read(key + ".gt_info.json"), read(folder + "scene_gt_info.json")[number]);
     for (const auto& [ending, in_folder] : {std::pair{".gray.png", "gray/{}.png"},
-                                            {".gray.tiff", "gray/{}.tif"},
+                                            {".gray.tiff", "gray/{}.tiff"},
                                             {".rgb.png", "rgb/{}.png"},
                                             {".depth.png", "depth/{}.png"}}) {
       EXPECT_EQ(read_whole(path(key + ending)),

@@ -95,11 +95,28 @@ TEST_F(ImageSet, InGreyHasItsPicturesAndDepthAsTiffToo) {
   EXPECT_EQ(verify("deep").exit_code, 0) << verify("deep").output;
 }
 
+TEST_F(ImageSet, InGreyHasColourPicturesWhereAskedFor) {
+  ASSERT_EQ(render("set", "--count 1 --also rgb,tiff").exit_code, 0);
+  const cv::Mat rgb = picture("set/test/000000/rgb/000000.png");
+  ASSERT_EQ(rgb.type(), CV_8UC3);
+  std::vector<cv::Mat> channels;
+  cv::split(rgb, channels);
+  channels.push_back(picture("set/test/000000/gray/000000.tiff"));
+  for (const cv::Mat& channel : channels) {
+    EXPECT_EQ(cv::norm(channel, picture("set/test/000000/gray/000000.png"), cv::NORM_INF), 0);
+  }
+  EXPECT_EQ(verify("set").exit_code, 0) << verify("set").output;
+  ASSERT_EQ(render("imagewise", "--count 1 --also rgb --format bop_imagewise").exit_code, 0);
+  EXPECT_EQ(cv::norm(picture("imagewise/test/000000_000000.rgb.png"), rgb, cv::NORM_INF), 0);
+  EXPECT_EQ(picture("imagewise/test/000000_000000.gray.tiff").type(), CV_8UC1);
+  EXPECT_EQ(verify("imagewise").exit_code, 0) << verify("imagewise").output;
+}
+
 TEST_F(ImageSet, InColourHasTiffWhereAskedForAndItsJpegAsItIs) {
   ASSERT_EQ(render("png", "--count 1 --set image.colour=rgb").exit_code, 0);
   const std::string jpeg = "--count 1 --set image.colour=rgb --set image.jpeg_quality=60 ";
   ASSERT_EQ(render("jpeg", jpeg).exit_code, 0);
-  ASSERT_EQ(render("tiff", jpeg + "--also tiff").exit_code, 0);
+  ASSERT_EQ(render("tiff", jpeg + "--also itodd").exit_code, 0);
   EXPECT_TRUE(tree("png").contains("test/000000/rgb/000000.png"));
   std::map<std::string, std::string> more = tree("tiff");
   EXPECT_EQ(more.erase("test/000000/gray/000000.tif"), 1u);
@@ -125,7 +142,9 @@ TEST_F(ImageSet, HasNothingThatIsNotAskedFor) {
       HasSubstr("was begun with also"));
   const Outcome refused = render("speed", "--count 1 --format speed --also tiff");
   EXPECT_EQ(refused.exit_code, 1);
-  EXPECT_THAT(refused.output, HasSubstr("--also tiff: is of BOP's formats, not of speed"));
+  EXPECT_THAT(
+      refused.output,
+      HasSubstr("--also tiff: the format speed has no place for it, but for normals, nocs"));
   EXPECT_EQ(render("other", "--count 1 --also depth").exit_code, 2);
 }
 
