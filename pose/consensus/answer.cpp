@@ -40,8 +40,8 @@ struct WeighedSet {
   std::uint32_t outliers = 0;  ///< bit k: the k-th doubtful point is an outlier
   double log_weight = 0;
   Vector6d step;
+  double squares = 0;   ///< of the inliers
   double variance = 0;  ///< of an inlier's residual
-  double variance_with_tails = 0;
   int inliers = 0;
 };
 
@@ -74,7 +74,10 @@ class Sets {
 
   /// What is known of the pose if this set is the inliers: the inverse of its covariance.
   Matrix6d information(const WeighedSet& set) const {
-    const double variance = cloud_.is_sigma_known() ? variance_ : set.variance_with_tails;
+    const double variance =
+        cloud_.is_sigma_known()
+            ? variance_
+            : mean_variance(set.squares, set.inliers - 3, cloud_.typical_noise);
     Matrix6d hessian = certain_.hessian / variance + outliers_.hessian;
     for (std::size_t k = 0; k < doubtful_.size(); ++k) {
       hessian += doubtful_[k].hessian *
@@ -126,6 +129,7 @@ class Sets {
       if (node.outliers >> k & 1) log_weight += std::log(mode_.law.density(square, area));
       if (!(node.outliers >> k & 1)) squares += square;
     }
+    set.squares = squares;
     set.variance = variance_;
     log_weight += log_of_noise(squares, log_determinant(cholesky), set);
     if (!std::isfinite(log_weight)) return;
@@ -142,9 +146,8 @@ class Sets {
       return -m * (kLogTwoPi + std::log(variance_)) - 0.5 * squares / variance_ - 0.5 * log_det +
              3 * kLogTwoPi;
     }
-    const NoisePosterior noise = noise_posterior(squares, m - 3);
+    const NoisePosterior noise = noise_posterior(squares, m - 3, cloud_.typical_noise);
     set.variance = noise.most_probable;
-    set.variance_with_tails = noise.with_tails;
     return -(m - 3) * kLogTwoPi - 0.5 * (log_det + 6 * std::log(variance_)) + noise.log_evidence;
   }
 
