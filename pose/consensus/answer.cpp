@@ -28,6 +28,8 @@ constexpr double kNegligible = 9;
 constexpr double kBeyondLinearRad = 0.3;
 /// Up to so many points the doubtful ones are tried even if some must be left out.
 constexpr std::size_t kFew = 64;
+/// With so few inliers a pose that one of them decides is weighed anew without it.
+constexpr int kFewInliers = 6;
 
 double log_determinant(const Eigen::LLT<Matrix6d>& cholesky) {
   double sum = 0;
@@ -40,9 +42,13 @@ struct WeighedSet {
   std::uint32_t outliers = 0;  ///< bit k: the k-th doubtful point is an outlier
   double log_weight = 0;
   Vector6d step;
+  double squares = 0;   ///< of the inliers
   double variance = 0;  ///< of an inlier's residual
-  double variance_with_tails = 0;
   int inliers = 0;
+  /// Of a set that was linearised at its own pose: which of the informations is its own, and the
+  /// point that it lacks.
+  int anew = -1;
+  int left_out = -1;
 };
 
 /// Every choice of inliers, weighed in the linear model.
@@ -63,18 +69,43 @@ class Sets {
 
   /// The sets that count, in the order of their bits.
   std::vector<WeighedSet> weigh() {
-    Node root;
-    root.hessian = certain_.hessian / variance_ + outliers_.hessian;
-    root.gradient = certain_.gradient / variance_ + outliers_.gradient;
-    visit(0, root);
+    visit(0, root());
     std::erase_if(sets_,
                   [this](const WeighedSet& s) { return s.log_weight < best_ - kNegligible; });
     return std::move(sets_);
   }
 
+  /// One of the sets, wherever it leads; none where three points are left or do not determine a
+  /// pose.
+  std::optional<WeighedSet> weigh_one(std::uint32_t outliers) const {
+    Node node = root();
+    for (std::size_t k = 0; k < doubtful_.size(); ++k) node = child(node, k, outliers >> k & 1);
+    return weighed(node);
+  }
+
+  /// The step to the pose of a set's inliers alone.
+  Vector6d step_of_inliers(std::uint32_t outliers) const {
+    Quadratic sum = certain_;
+    for (std::size_t k = 0; k < doubtful_.size(); ++k) {
+      if (outliers >> k & 1) continue;
+      sum.hessian += doubtful_[k].hessian;
+      sum.gradient += doubtful_[k].gradient;
+    }
+    return -sum.hessian.ldlt().solve(sum.gradient);
+  }
+
+  void add(std::vector<WeighedSet>& sets, WeighedSet set, const Matrix6d& own_information) {
+    set.anew = static_cast<int>(own_informations_.size());
+    own_informations_.push_back(own_information);
+    sets.push_back(set);
+  }
+
   /// What is known of the pose if this set is the inliers: the inverse of its covariance.
   Matrix6d information(const WeighedSet& set) const {
-    const double variance = cloud_.is_sigma_known() ? variance_ : set.variance_with_tails;
+    if (set.anew >= 0) return own_informations_[static_cast<std::size_t>(set.anew)];
+    const double variance = cloud_.is_sigma_known()
+                                ? variance_
+                                : mean_variance(set.squares, set.inliers - 3, cloud_.typical_noise);
     Matrix6d hessian = certain_.hessian / variance + outliers_.hessian;
     for (std::size_t k = 0; k < doubtful_.size(); ++k) {
       hessian += doubtful_[k].hessian *
@@ -94,29 +125,40 @@ class Sets {
     return mode_.law.weight(linear_.squares[i], cloud_.area(i));
   }
 
-  void visit(std::size_t k, const Node& node) {
-    if (k == doubtful_.size()) return weigh(node);
-    for (const bool is_outlier : {false, true}) {
-      const double weight = is_outlier ? weight_of(sorted_.doubtful[k]) : 1 / variance_;
-      Node next;
-      next.hessian = node.hessian + weight * doubtful_[k].hessian;
-      next.gradient = node.gradient + weight * doubtful_[k].gradient;
-      next.outliers = node.outliers | (is_outlier ? 1u << k : 0u);
-      visit(k + 1, next);
-    }
+  Node root() const {
+    return {certain_.hessian / variance_ + outliers_.hessian,
+            certain_.gradient / variance_ + outliers_.gradient};
   }
 
-  void weigh(const Node& node) {
+  Node child(const Node& node, std::size_t k, bool is_outlier) const {
+    const double weight = is_outlier ? weight_of(sorted_.doubtful[k]) : 1 / variance_;
+    return {node.hessian + weight * doubtful_[k].hessian,
+            node.gradient + weight * doubtful_[k].gradient,
+            node.outliers | (is_outlier ? 1u << k : 0u)};
+  }
+
+  void visit(std::size_t k, const Node& node) {
+    if (k < doubtful_.size()) {
+      for (const bool is_outlier : {false, true}) visit(k + 1, child(node, k, is_outlier));
+      return;
+    }
+    const std::optional<WeighedSet> set = weighed(node);
+    if (!set || !(set->step.head<3>().norm() < kBeyondLinearRad)) return;
+    if (set->log_weight > best_ - kNegligible) sets_.push_back(*set);
+    best_ = std::max(best_, set->log_weight);
+  }
+
+  std::optional<WeighedSet> weighed(const Node& node) const {
     const int n = static_cast<int>(cloud_.size());
     const int outliers = std::popcount(node.outliers) + static_cast<int>(sorted_.outliers.size());
     WeighedSet set;
     set.outliers = node.outliers;
     set.inliers = n - outliers;
-    if (set.inliers < kMinimumPosePoints) return;  // three agree with any pose of theirs
+    // Three agree with any pose of theirs.
+    if (set.inliers < kMinimumPosePoints) return std::nullopt;
     const Eigen::LLT<Matrix6d> cholesky(node.hessian);
-    if (cholesky.info() != Eigen::Success) return;
+    if (cholesky.info() != Eigen::Success) return std::nullopt;
     set.step = -cholesky.solve(node.gradient);
-    if (!(set.step.head<3>().norm() < kBeyondLinearRad)) return;
     double squares = certain_.at(set.step);
     double log_weight = log_outliers_ + std::lgamma(outliers + kPriorOutliers) +
                         std::lgamma(set.inliers + kPriorInliers);
@@ -126,12 +168,12 @@ class Sets {
       if (node.outliers >> k & 1) log_weight += std::log(mode_.law.density(square, area));
       if (!(node.outliers >> k & 1)) squares += square;
     }
+    set.squares = squares;
     set.variance = variance_;
     log_weight += log_of_noise(squares, log_determinant(cholesky), set);
-    if (!std::isfinite(log_weight)) return;
+    if (!std::isfinite(log_weight)) return std::nullopt;
     set.log_weight = log_weight;
-    if (log_weight > best_ - kNegligible) sets_.push_back(set);
-    best_ = std::max(best_, log_weight);
+    return set;
   }
 
   /// The inliers' likelihood, the pose integrated out, and the noise where it is not known, whose
@@ -142,9 +184,8 @@ class Sets {
       return -m * (kLogTwoPi + std::log(variance_)) - 0.5 * squares / variance_ - 0.5 * log_det +
              3 * kLogTwoPi;
     }
-    const NoisePosterior noise = noise_posterior(squares, m - 3);
+    const NoisePosterior noise = noise_posterior(squares, m - 3, cloud_.typical_noise);
     set.variance = noise.most_probable;
-    set.variance_with_tails = noise.with_tails;
     return -(m - 3) * kLogTwoPi - 0.5 * (log_det + 6 * std::log(variance_)) + noise.log_evidence;
   }
 
@@ -157,11 +198,95 @@ class Sets {
   double log_outliers_ = 0;
   std::vector<Quadratic> doubtful_;
   std::vector<WeighedSet> sets_;
+  std::vector<Matrix6d> own_informations_;
   double best_ = -std::numeric_limits<double>::infinity();
 };
 
+/// Of those in the linear model, from which the answer's pose is.
 const WeighedSet& heaviest(const std::vector<WeighedSet>& sets) {
-  return *std::ranges::max_element(sets, {}, &WeighedSet::log_weight);
+  return *std::ranges::max_element(sets, {}, [](const WeighedSet& set) {
+    return set.anew < 0 ? set.log_weight : -std::numeric_limits<double>::infinity();
+  });
+}
+
+/// A set linearised at its own pose, its step being from the common one; and what is known of the
+/// pose if it is the inliers.
+struct OwnSet {
+  WeighedSet set;
+  Matrix6d information;
+};
+
+/// From a step to its pose; none where that does not settle.
+std::optional<OwnSet> weigh_anew(const Cloud& cloud, const Mode& mode, const Sorted& sorted,
+                                 const Pose& common, const Vector6d& step_to_it, double variance,
+                                 std::uint32_t outliers) {
+  constexpr int kMostSteps = 8;
+  constexpr double kSettledRad = 1e-3;
+  LinearCloud own;
+  Vector6d next = step_to_it;
+  Pose pose = common;
+  for (int step = 0; step < kMostSteps; ++step) {
+    const double turn = next.head<3>().norm();
+    if (!std::isfinite(turn)) break;
+    pose = retract(pose, std::min(1.0, kBeyondLinearRad / turn) * next);
+    linearise(cloud, pose, own);
+    const Sets at_own(cloud, mode, own, sorted, variance);
+    std::optional<WeighedSet> set = at_own.weigh_one(outliers);
+    if (!set) break;
+    next = set->step;
+    if (next.head<3>().norm() > kSettledRad) continue;
+    const Matrix6d information = at_own.information(*set);
+    set->step = change_between(common, retract(pose, next));
+    return OwnSet{*set, information};
+  }
+  return std::nullopt;
+}
+
+/// A set that lacks one of the inliers of another.
+struct LeftOut {
+  std::size_t point;
+  Sorted sorted;  ///< with that point among the doubtful
+  std::uint32_t outliers;
+};
+
+std::vector<LeftOut> leave_each_out(const Sorted& sorted, const WeighedSet& set) {
+  std::vector<LeftOut> all;
+  for (std::size_t k = 0; k < sorted.doubtful.size(); ++k) {
+    if (set.outliers >> k & 1) continue;
+    all.push_back({sorted.doubtful[k], sorted, set.outliers | 1u << k});
+  }
+  for (std::size_t k = 0; k < sorted.certain.size(); ++k) {
+    LeftOut left = {sorted.certain[k], sorted, set.outliers | 1u << sorted.doubtful.size()};
+    left.sorted.certain.erase(left.sorted.certain.begin() + static_cast<std::ptrdiff_t>(k));
+    left.sorted.doubtful.push_back(left.point);
+    all.push_back(std::move(left));
+  }
+  return all;
+}
+
+/// A point that agrees by chance may decide what the few others leave open. As an outlier near the
+/// truth it holds the pose where it is; as one that may be anywhere it leaves the pose to the
+/// others, many deviations away. So the sets that lack one of the inliers are weighed there, too.
+void weigh_without(const Cloud& cloud, const Mode& mode, const Sorted& sorted,
+                   const LinearCloud& linear, double variance, Sets& model,
+                   std::vector<WeighedSet>& sets) {
+  const WeighedSet best = heaviest(sets);
+  if (best.inliers > kFewInliers || best.inliers <= kMinimumPosePoints) return;
+  const Matrix6d information = model.information(best);
+  const auto is_far = [&](const Vector6d& step) {
+    const Vector6d apart = step - best.step;
+    return apart.dot(information * apart) > kFarDistance2;
+  };
+  for (const LeftOut& left : leave_each_out(sorted, best)) {
+    const Sets without(cloud, mode, linear, left.sorted, variance);
+    const Vector6d step = without.step_of_inliers(left.outliers);
+    if (!is_far(step)) continue;
+    auto own = weigh_anew(cloud, mode, left.sorted, linear.cam_from_centred, step, variance,
+                          left.outliers);
+    if (!own || !(own->set.log_weight > best.log_weight - kNegligible)) continue;
+    own->set.left_out = static_cast<int>(left.point);
+    if (is_far(own->set.step)) model.add(sets, own->set, own->information);
+  }
 }
 
 /// Sums up the sets that lead far from the most probable one.
@@ -180,18 +305,20 @@ void find_far_sets(const LinearCloud& linear, const Sets& model,
   if (far != nullptr) answer.far_cam_from_centred = retract(linear.cam_from_centred, far->step);
 }
 
-/// The mean over the sets, from the linear model that they were weighed in.
+/// The mean over the sets of the linear model, and the second moment of all sets about it.
 void average(const Cloud& cloud, const Sorted& sorted, const LinearCloud& linear, const Sets& model,
              const std::vector<WeighedSet>& sets, Answer& answer) {
   const WeighedSet& best = heaviest(sets);
-  double total = 0;
+  double total = 0, linear_total = 0;
   Vector6d mean = Vector6d::Zero();
   for (const WeighedSet& set : sets) {
     const double weight = std::exp(set.log_weight - best.log_weight);
     total += weight;
+    if (set.anew >= 0) continue;
+    linear_total += weight;
     mean += weight * set.step;
   }
-  mean /= total;
+  mean /= linear_total;
   find_far_sets(linear, model, sets, total, answer);
   answer.probabilities.assign(cloud.size(), 0);
   answer.is_inlier.assign(cloud.size(), false);
@@ -209,6 +336,8 @@ void average(const Cloud& cloud, const Sorted& sorted, const LinearCloud& linear
     for (std::size_t k = 0; k < sorted.doubtful.size(); ++k) {
       if (!(set.outliers >> k & 1)) answer.probabilities[sorted.doubtful[k]] += share;
     }
+    const bool lacks_certain = set.outliers >> sorted.doubtful.size() != 0;
+    if (lacks_certain) answer.probabilities[static_cast<std::size_t>(set.left_out)] -= share;
   }
   for (std::size_t k = 0; k < sorted.doubtful.size(); ++k) {
     if (!(best.outliers >> k & 1)) answer.is_inlier[sorted.doubtful[k]] = true;
@@ -216,7 +345,7 @@ void average(const Cloud& cloud, const Sorted& sorted, const LinearCloud& linear
   answer.set_probability = sorted.is_exhaustive ? 1 / total : 0;
   answer.cam_from_centred = retract(linear.cam_from_centred, mean);
   answer.most_probable = retract(linear.cam_from_centred, best.step);
-  answer.log_evidence = best.log_weight + std::log(total);
+  answer.log_evidence = best.log_weight + std::log(linear_total);
 }
 
 /// Linearises anew while the most probable set leads too far away. False where no set has a pose.
@@ -227,11 +356,12 @@ bool answer_of_sets(const Cloud& cloud, const Mode& mode, const Sorted& sorted, 
   double variance = mode.variance;
   for (int round = 0;; ++round) {
     Sets model(cloud, mode, linear, sorted, variance);
-    const std::vector<WeighedSet> sets = model.weigh();
+    std::vector<WeighedSet> sets = model.weigh();
     if (sets.empty()) return false;
     const WeighedSet& best = heaviest(sets);
     const double turn = best.step.head<3>().norm();
     if (round + 1 == kRounds || !(turn > kFarRad * (round + 1))) {
+      weigh_without(cloud, mode, sorted, linear, variance, model, sets);
       average(cloud, sorted, linear, model, sets, answer);
       return answer.covariance.allFinite();
     }

@@ -32,7 +32,13 @@ struct Answer {
 /// of them is tried: the weighed 6x6 problem is solved with these points as inliers and the others
 /// at the outliers' law, and the set is weighed by its likelihood, the pose and (where it is not
 /// known) the noise integrated out (Laplace), under the Beta prior of mixture.h. The covariance is
-/// that within sets plus that between them.
+/// the second moment about the mean: that within sets, with the mean variance of the noise, plus
+/// that between them.
+///
+/// Of five and six inliers each is left out once, as an outlier that may be anywhere: where the
+/// others alone lead far away, that set is linearised at its own pose. It counts in the covariance,
+/// the probabilities and the far share; the mean, the evidence and the most probable set are those
+/// of the linear model.
 ///
 /// Where more are doubtful, no single one matters: the pose is the mode's, and the covariance the
 /// inverse of its observed information, sum w J^T J / s^2 - sum w (1 - w) J^T r r^T J / s^4.

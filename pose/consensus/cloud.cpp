@@ -86,6 +86,27 @@ double spread_width(std::vector<double>& values) {
   return width > 0 ? width : values.back() - values.front();
 }
 
+/// As far on either side of 0 as the farthest number, but not twice beyond the interval over which
+/// the numbers and their opposites are spread, so that a few may be anywhere.
+double width_about_zero(std::vector<double> values) {
+  const std::size_t n = values.size();
+  for (std::size_t i = 0; i < n; ++i) values.push_back(-values[i]);
+  const double spread = spread_width(values);  // sorts them
+  return 2 * std::min(values.back(), spread);
+}
+
+/// The root of the image's area about the principal point, in units of that of the pixels' spread.
+double image_extent(const std::vector<Eigen::Vector2d>& image) {
+  constexpr double kLargest = 3;  // a principal point outside of the image says nothing
+  std::vector<double> u, v;
+  for (const Eigen::Vector2d& pixel : image) {
+    u.push_back(pixel.x());
+    v.push_back(pixel.y());
+  }
+  const double area = width_about_zero(std::move(u)) * width_about_zero(std::move(v));
+  return std::clamp(std::sqrt(area), 1.0, kLargest);
+}
+
 /// Of an ellipse of noise, as the radius of the circle of its area.
 double noise_radius_px(const UsablePoint& point) {
   return 1 / std::sqrt(std::abs(point.whitening.determinant()));
@@ -178,6 +199,7 @@ Cloud cloud_of(const PoseProblem& problem, const std::vector<UsablePoint>& point
     cloud.whitening.emplace_back(p.whitening * unit_px);
     cloud.areas.push_back(std::abs(cloud.whitening.back().determinant()));
   }
+  if (!cloud.is_sigma_known()) cloud.typical_noise = kTypicalNoise * image_extent(cloud.image);
   cloud.screen = screen_points(cloud);
   return cloud;
 }
@@ -292,6 +314,7 @@ Cloud with_unknown_noise(Cloud cloud) {
   cloud.whitening.clear();
   cloud.areas.clear();
   cloud.sigma = 0;
+  cloud.typical_noise = kTypicalNoise * image_extent(cloud.image);
   cloud.screen = screen_points(cloud);
   return cloud;
 }

@@ -13,6 +13,7 @@
 
 #include <Eigen/Core>
 
+#include "pose/consensus/noise.h"
 #include "pose/kernels/consensus_kernel.h"
 #include "pose/pose.h"
 #include "pose/solver.h"
@@ -36,6 +37,10 @@ struct Cloud {
   std::vector<Eigen::Matrix2d> whitening;
   std::vector<double> areas;
   double sigma = 0;              ///< of a whitened residual's coordinate; 0: not known
+  /// Where it is not known: about what it is, kTypicalNoise of the image's extent. The image is
+  /// larger than the pixels' spread where the target fills a part of it: it holds the pixels, and
+  /// as much on the other side of the principal point.
+  double typical_noise = kTypicalNoise;
   std::vector<int> given_index;  ///< of the points in the problem
   std::vector<int> ignored;      ///< the problem's points that cannot be used, ascending
   std::optional<Pose> initial_cam_from_centred;

@@ -13,6 +13,9 @@ namespace {
 
 constexpr double kCertain = 0.9995;
 constexpr double kImpossible = 1e-3;
+/// Squared, in typical noises: what one in a thousand residuals exceeds of noise that is larger than
+/// typical by as much as the prior doubts it.
+const double kNoiseMayBe2 = 13.8 * std::exp(2 * kLargerNoiseDoubt);
 
 /// The probability of a point to be an inlier of the pose that the others have: its residual
 /// against the fit without it, and the variance of that (a Schur complement of 2 x 2).
@@ -38,6 +41,13 @@ double probability_without(const Cloud& cloud, const Mode& mode, const Matrix6d&
   const double log_outlier =
       std::log(mode.outlier_share * mode.law.density(residual.squaredNorm(), area));
   return 1 / (1 + std::exp(log_outlier - log_inlier));
+}
+
+/// Some points that agree closely by chance make a mode of small noise, to which the other inliers
+/// are impossible: where the noise is not known, its size is one of the things to be weighed.
+bool may_be_noise(const Cloud& cloud, double square) {
+  return !cloud.is_sigma_known() &&
+         square < kNoiseMayBe2 * cloud.typical_noise * cloud.typical_noise;
 }
 
 /// The inverse of what the mode's points say of the pose, each at its expected weight.
@@ -88,7 +98,8 @@ Sorted sort_by_doubt(const Cloud& cloud, const Mode& mode, const LinearCloud& li
     const double w = mode.weights[i];
     without[i] = probability_without(cloud, mode, covariance, linear.rows[i], i);
     const bool is_certain = w > kCertain && without[i] > kCertain;
-    const bool is_outlier = w < kImpossible && without[i] < kImpossible;
+    const bool is_outlier =
+        w < kImpossible && without[i] < kImpossible && !may_be_noise(cloud, linear.squares[i]);
     const bool is_doubtful = n <= most_doubtful || !(is_certain || is_outlier);
     auto& side = is_doubtful ? sorted.doubtful : is_certain ? sorted.certain : sorted.outliers;
     side.push_back(i);

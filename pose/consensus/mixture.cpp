@@ -157,7 +157,8 @@ class MixtureFit {
 
   double next_scale(const Sums& sums, double scale) const {
     if (cloud_.is_sigma_known()) return std::max(cloud_.sigma, kFastestShrinkKnown * scale);
-    const double variance = noise_posterior(sums.weighted_squares, sums.weight - 3).most_probable;
+    const double variance =
+        noise_posterior(sums.weighted_squares, sums.weight - 3, cloud_.typical_noise).most_probable;
     const double next = std::sqrt(std::max(variance, kSmallestVariance));
     return std::min(std::max(next, kFastestShrink * scale), widest_);
   }

@@ -15,6 +15,42 @@ double prior_precision(double x, double centre) {
   return 1 / (doubt * doubt);
 }
 
+/// The posterior of x = ln s.
+class NoiseLaw {
+ public:
+  NoiseLaw(double squares, double pairs, double typical)
+      : sum_(std::max(squares, kRounding)), k_(std::max(pairs, 0.0)), centre_(std::log(typical)) {}
+
+  double log_density(double x) const {
+    const double off = x - centre_;
+    return -2 * k_ * x - 0.5 * pull(x) - 0.5 * prior_precision(x, centre_) * off * off;
+  }
+  double curvature(double x) const { return 2 * pull(x) + prior_precision(x, centre_); }
+
+  /// By Newton's method, which begins at the mean of what the sum and the prior say.
+  double mode() const {
+    double x = centre_;
+    if (k_ > 0) {
+      const double own = 0.5 * std::log(sum_ / (2 * k_));
+      const double prior = prior_precision(own, centre_);
+      x = (4 * k_ * own + prior * centre_) / (4 * k_ + prior);
+    }
+    constexpr int kSteps = 5;
+    for (int step = 0; step < kSteps; ++step) {
+      const double slope = -2 * k_ + pull(x) - prior_precision(x, centre_) * (x - centre_);
+      x += std::clamp(slope / curvature(x), -2.0, 2.0);
+    }
+    return x;
+  }
+
+ private:
+  static constexpr double kRounding = 1e-28;
+
+  double pull(double x) const { return sum_ * std::exp(-2 * x); }
+
+  const double sum_, k_, centre_;
+};
+
 /// The upper quantile of the normal law.
 double normal_quantile(double tail) {
   const double t = std::sqrt(-2 * std::log(std::clamp(tail, 1e-12, 0.5)));
@@ -30,36 +66,30 @@ double chi_square_limit(double degrees, double rate) {
   return degrees * root * root * root;
 }
 
-NoisePosterior noise_posterior(double squares, double pairs) {
-  constexpr double kRounding = 1e-28;
-  const double k = std::max(pairs, 0.0);
-  const double sum = std::max(squares, kRounding);
-  static const double centre = std::log(kTypicalNoise);
-  // Newton's method begins at the mean of what the sum and the prior say.
-  double x = centre;
-  if (k > 0) {
-    const double own = 0.5 * std::log(sum / (2 * k));
-    const double prior = prior_precision(own, centre);
-    x = (4 * k * own + prior * centre) / (4 * k + prior);
-  }
-  double pull = 0, prior = 0;  // of the sum, of the prior
-  constexpr int kSteps = 5;
-  for (int step = 0;; ++step) {
-    pull = sum * std::exp(-2 * x);
-    prior = prior_precision(x, centre);
-    if (step == kSteps) break;
-    const double slope = -2 * k + pull - prior * (x - centre);
-    x += std::clamp(slope / (2 * pull + prior), -2.0, 2.0);
-  }
-  const double curvature = 2 * pull + prior;
+NoisePosterior noise_posterior(double squares, double pairs, double typical) {
+  const NoiseLaw law(squares, pairs, typical);
+  const double x = law.mode();
   NoisePosterior posterior;
-  posterior.log_evidence = -2 * k * x - 0.5 * pull - 0.5 * prior * (x - centre) * (x - centre) +
-                           0.5 * std::log(2 * std::numbers::pi / curvature);
+  posterior.log_evidence =
+      law.log_density(x) + 0.5 * std::log(2 * std::numbers::pi / law.curvature(x));
   posterior.most_probable = std::exp(2 * x);
-  // ln s of nu degrees of freedom has the curvature 2 nu. Below three the tails have no end.
-  const double degrees = std::max(0.5 * curvature, 3.0);
-  posterior.with_tails = posterior.most_probable * degrees / (degrees - 2);
   return posterior;
+}
+
+double mean_variance(double squares, double pairs, double typical) {
+  const NoiseLaw law(squares, pairs, typical);
+  const double mode = law.mode(), highest = law.log_density(mode);
+  // The trapezoidal rule; the variance doubles the upper tail's reach.
+  constexpr int kBelow = 8, kAbove = 20;
+  const double step = 0.5 / std::sqrt(law.curvature(mode));
+  double moment = 0, total = 0;
+  for (int i = -kBelow; i <= kAbove; ++i) {
+    const double x = mode + i * step;
+    const double weight = std::exp(law.log_density(x) - highest);
+    total += weight;
+    moment += weight * std::exp(2 * x);
+  }
+  return moment / total;
 }
 
 }  // namespace sightline::consensus
