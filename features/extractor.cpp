@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "features/extractors/extractors.h"
+#include "features/joint_edges.h"
 #include "features/shared_edges.h"
 #include "features/straight_window.h"
 
@@ -146,17 +148,22 @@ Observation unseen(const FeaturePrediction& prediction, const cv::Rect& window,
   return observation;
 }
 
-// What the extractor finds; of one that looks for straight edges or outlines, in an image in which
-// no lens bends them.
-Observation extracted(const ExtractionInput& input, const FeatureExtractor& extractor) {
-  if (!extractor.needs_edges && !extractor.needs_mesh) return extractor.extract(input);
-  const Eigen::Vector2d& pixel = input.prediction.pixel;
+// The feature's surroundings without what a lens bends there, if it bends any.
+std::optional<StraightWindow> straight_about(const ExtractionInput& input) {
   // As far as most extractors look along an edge and across it, and what their filters reach
   // beyond. hough_subpixel's edges, of up to 160 px, are taken no farther.
   constexpr int kReachPx = 104;
   constexpr int kFilterPx = 8;
   const int half_px = std::max(kReachPx, input.options.window_half_px + kFilterPx);
-  const auto straight = StraightWindow::about(pixel, input.view.camera, input.image, half_px);
+  return StraightWindow::about(input.prediction.pixel, input.view.camera, input.image, half_px);
+}
+
+// What the extractor finds; of one that looks for straight edges or outlines, in an image in which
+// no lens bends them.
+Observation extracted(const ExtractionInput& input, const FeatureExtractor& extractor) {
+  if (!extractor.needs_edges && !extractor.needs_mesh) return extractor.extract(input);
+  const Eigen::Vector2d& pixel = input.prediction.pixel;
+  const auto straight = straight_about(input);
   if (!straight) return extractor.extract(input);
   const PredictedView view = straight->view_of(input.view, input.prediction);
   const FeaturePrediction& prediction = view.features.front();
@@ -194,6 +201,51 @@ Observation observe(const cv::Mat& image, const PredictedView& view,
     observation.edge_lines.clear();  // they were laid through it
   }
   return observation;
+}
+
+bool matches_edges_jointly(const PredictedView& view, const ExtractorOptions& options) {
+  if (options.is_gated || view.target == nullptr || view.covariance.isZero(0)) return false;
+  if (options.joint_edges != JointEdges::kTextured) return options.joint_edges == JointEdges::kOn;
+  return !view.target->mesh.coats.empty();
+}
+
+bool looks_for_model_edges(const FeaturePrediction& prediction, const ExtractorChoice& choice) {
+  const auto extract = choice.of(prediction.kind).extract;
+  return prediction.kind == FeatureKind::kLineIntersection && prediction.is_in_front &&
+         !prediction.is_hidden &&
+         (extract == extract_model_edges || extract == extract_edges_else_contour);
+}
+
+// The lines along a feature's edges, in an image in which no lens bends them.
+std::vector<StretchCandidates> straight_candidates(const ExtractionInput& input) {
+  const auto straight = straight_about(input);
+  if (!straight) return line_candidates(input);
+  const PredictedView view = straight->view_of(input.view, input.prediction);
+  return line_candidates({straight->image(), view, view.features.front(), input.options,
+                          input.window, input.background_grey});
+}
+
+// The view from the pose with which the lines along all edges agree, if they do with one.
+std::optional<PredictedView> jointly_matched(const std::vector<Channel>& channels,
+                                             const PredictedView& view,
+                                             const ExtractorChoice& choice,
+                                             const ExtractorOptions& options) {
+  std::vector<StretchCandidates> stretches;
+  std::vector<int> features;
+  for (const FeaturePrediction& prediction : view.features) {
+    features.push_back(prediction.feature);
+    if (!looks_for_model_edges(prediction, choice)) continue;
+    const Channel& channel = channel_of_contrast(channels, prediction, options);
+    const cv::Rect window =
+        window_around(prediction.pixel, options.window_half_px, channel.image.size());
+    if (window.empty()) continue;
+    std::vector<StretchCandidates> own = straight_candidates(
+        {channel.image, view, prediction, options, window, channel.background_grey});
+    std::ranges::move(own, std::back_inserter(stretches));
+  }
+  const auto pose = jointly_explained(stretches, {view.cam_from_target, view.covariance});
+  if (!pose) return std::nullopt;
+  return predict_features(*view.target, features, view.camera, *pose);
 }
 
 }  // namespace
@@ -247,11 +299,18 @@ std::vector<Observation> extract_features(const cv::Mat& image, double white,
   for (const cv::Mat& channel : grey_and_colours(scaled)) {
     channels.push_back({channel, background_level(channel, view)});
   }
+  std::optional<PredictedView> matched;
+  if (matches_edges_jointly(view, options)) {
+    matched = jointly_matched(channels, view, choice, options);
+  }
+  ExtractorOptions used = options;
+  used.is_gated = options.is_gated || matched.has_value();
+  const PredictedView& looked_at = matched ? *matched : view;
   std::vector<Observation> observations;
-  for (const FeaturePrediction& prediction : view.features) {
+  for (const FeaturePrediction& prediction : looked_at.features) {
     const Channel& channel = channel_of_contrast(channels, prediction, options);
-    observations.push_back(observe(channel.image, view, prediction, choice.of(prediction.kind),
-                                   options, channel.background_grey));
+    observations.push_back(observe(channel.image, looked_at, prediction, choice.of(prediction.kind),
+                                   used, channel.background_grey));
   }
   if (view.target != nullptr) drop_shared_lines(*view.target, observations);
   return observations;

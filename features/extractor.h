@@ -55,11 +55,21 @@ struct SearchOptions {
   double floor_scale = 1;
 };
 
+/// Whether lines along the edges of all features are first matched with one pose together
+/// (features/joint_edges.h), around which model_edges and edges_else_contour then look. It costs
+/// about as much as they do.
+enum class JointEdges {
+  kTextured,  ///< of targets with textures or vertex colours, whose print may look like edges
+  kOn,
+  kOff,
+};
+
 struct ExtractorOptions {
   int window_half_px = 24;  ///< windows are squares of 2 h + 1 pixels around the prediction
   /// The prior has already been improved from this image: what lies outside the search around its
   /// prediction is not the feature.
   bool is_gated = false;
+  JointEdges joint_edges = JointEdges::kTextured;  ///< never where `is_gated`
   LineOptions line;
   CornerOptions corner;
   SearchOptions search;

@@ -187,8 +187,8 @@ ImageLine image_line(const ExtractionInput& input, const PredictedEdge& edge,
   line.covariance = fit.covariance;
   const double floor = floor_px(input, edge, line.contrast_grey, polarity);
   line.covariance(0, 0) += floor * floor;
-  // Where the edge's normal is the direction turned the other way round, offset and slope both change
-  // their sign, and their covariance does not.
+  // Where the edge's normal is the direction turned the other way round, offset and slope both
+  // change their sign, and their covariance does not.
   for (const ChosenPeak& chosen : fit.peaks) {
     const double along_px = profile.pivot_px + profile.at_px[chosen.sample];
     line.edge_pixels.push_back(edge.begin + along_px * edge.direction +
@@ -267,13 +267,17 @@ std::vector<FoundLine> find_lines(const ExtractionInput& input, const GradientWi
   const double half_px = search_half_px(input, searched.edge.normal);
   const double max_slope = is_prior_good(input) ? options.good_max_slope : options.max_slope;
   EdgeProfile profile = profile_of(input, gradients, searched, polarity);
+  std::optional<Eigen::Vector2d> outward;
+  if (!searched.edge.is_crease && !borders_other_part(searched.edge)) {
+    outward = searched.edge.normal;
+  }
   std::vector<FoundLine> lines;
   for (int i = 0; i < kMostLines; ++i) {
     const auto fit = fitted(profile, voted(profile, half_px, max_slope), max_slope);
     if (!fit) break;
     const double support =
         static_cast<double>(fit->peaks.size()) / static_cast<double>(profile.peaks.size());
-    lines.push_back({searched.index, support, searched.edge.is_soft,
+    lines.push_back({searched.index, support, searched.edge.is_soft, outward,
                      image_line(input, searched.edge, profile, *fit, polarity)});
     profile = without(fit->line, std::move(profile));
   }

@@ -21,6 +21,8 @@ struct FoundLine {
   int edge;        ///< index into the feature's edges
   double support;  ///< the share of the edge's samples that have a peak on it
   bool is_soft;    ///< the edge is rounded or bevelled (PredictedEdge)
+  /// The unit vector across the edge to where the background should be; none where it should not.
+  std::optional<Eigen::Vector2d> outward;
   ImageLine line;
 };
 

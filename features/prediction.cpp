@@ -115,7 +115,7 @@ Eigen::Matrix2d predicted_covariance_px2(const Camera& camera, const PosePrior& 
 PredictedView predict_features(const Target& target, std::span<const int> features,
                                const Camera& camera, const PosePrior& prior) {
   const Pose& cam_from_target = prior.cam_from_target;
-  PredictedView view{&target, camera, cam_from_target, {}};
+  PredictedView view{&target, camera, cam_from_target, {}, prior.covariance};
   for (const int index : features) {
     const TargetFeature& feature = target.features[index];
     FeaturePrediction prediction;

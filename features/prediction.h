@@ -40,6 +40,8 @@ struct PredictedView {
   Camera camera;
   Pose cam_from_target;
   std::vector<FeaturePrediction> features;
+  /// Of cam_from_target, as PosePrior has it; zero where it is not known.
+  Matrix6d covariance = Matrix6d::Zero();
 };
 
 /// A pose as it is known before an image is looked at.

@@ -150,7 +150,7 @@ PredictedView StraightWindow::view_of(const PredictedView& view,
   for (Eigen::Vector2d& direction : here.edge_direction) {
     direction = (turn.transpose() * direction).eval();
   }
-  return {view.target, pinhole_, view.cam_from_target, {here}};
+  return {view.target, pinhole_, view.cam_from_target, {here}, view.covariance};
 }
 
 Observation StraightWindow::in_image(Observation found) const {

@@ -140,6 +140,16 @@ std::vector<Key> extraction_keys(ImageSetup& setup, double& bias_mesh_fraction) 
        "what extractors see of pictures in colour: their grey, or in each window the channel "
        "(grey, red, green or blue) with the most contrast over noise"},
       {"extraction",
+       "joint_edges",
+       choice(setup.extractor_options.joint_edges, {{"textured", JointEdges::kTextured},
+                                                    {"on", JointEdges::kOn},
+                                                    {"off", JointEdges::kOff}}),
+       {},
+       "",
+       "whether model_edges and edges_else_contour first match the lines along all edges with one "
+       "pose: of targets with textures or vertex colours, whose print looks like edges, always, or "
+       "never"},
+      {"extraction",
        "passes",
        &setup.passes,
        {1, 10},
