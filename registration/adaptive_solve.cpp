@@ -57,11 +57,11 @@ LocalsByLocals swept_inverse(LocalsByLocals matrix) {
 std::array<double, kBlockPixels> weights_of(const BlockRows& rows, const Block& block,
                                             const Learning& learning) {
   std::array<double, kBlockPixels> weights;
-  const double variance =
-      learning.pixel_variance * learning.blocks[static_cast<size_t>(block.id)].noise;
+  const double information =
+      1 / (learning.pixel_variance * learning.blocks[static_cast<size_t>(block.id)].noise);
   const auto pixels = rows.pixels_of(block);
   for (size_t i = 0; i < pixels.size(); ++i) {
-    weights[i] = learning.weights[static_cast<size_t>(pixels[i])] / variance;
+    weights[i] = learning.weights[static_cast<size_t>(pixels[i])] * information;
   }
   std::fill(weights.begin() + block.count, weights.begin() + block.stride, 0.0);
   return weights;

@@ -7,18 +7,29 @@
 namespace sightline {
 namespace {
 
-// The sums of a[p] b[p] for N columns b, in lanes whose number no processor changes, so that no
-// result does. Several at once: one alone would wait for its own last addition.
+// Numbers of so many pixels side by side: their number is the same on every processor, so that
+// results are.
+using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+
+inline void load(const double* from, Lanes& to) {
+  __builtin_memcpy(&to, from, sizeof to);
+}
+
+// The sums of a[p] b[p] for N columns b. Several at once: one alone would wait for its own last
+// addition.
 template <int N>
 inline void dots(const double* a, const double* b, int stride, double* sums) {
-  double lanes[N][kLanes] = {};
+  Lanes total[N] = {};
   for (int p = 0; p < stride; p += kLanes) {
+    Lanes left, right;
+    load(a + p, left);
     for (int j = 0; j < N; ++j) {
-      for (int k = 0; k < kLanes; ++k) lanes[j][k] += a[p + k] * b[j * stride + p + k];
+      load(b + j * stride + p, right);
+      total[j] += left * right;
     }
   }
   for (int j = 0; j < N; ++j) {
-    const double* const l = lanes[j];
+    const Lanes& l = total[j];
     sums[j] = ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]));
   }
 }
@@ -73,20 +84,21 @@ void weighted_gram(const double* columns, int stride, const double* weights, dou
 SIGHTLINE_MULTIVERSION
 void combine_columns(const double* columns, int stride, const double* coefficients, double* out) {
   for (int p = 0; p < stride; p += kLanes) {
-    double sums[kLanes] = {};
+    Lanes sum = {}, column;
     for (int i = 0; i < kColumns; ++i) {
-      for (int k = 0; k < kLanes; ++k) sums[k] += coefficients[i] * columns[i * stride + p + k];
+      load(columns + i * stride + p, column);
+      sum += coefficients[i] * column;
     }
-    for (int k = 0; k < kLanes; ++k) out[p + k] = sums[k];
+    __builtin_memcpy(out + p, &sum, sizeof sum);
   }
 }
 
 SIGHTLINE_MULTIVERSION
 void student_weights(const double* residuals, int count, double variance, double nu,
                      float* weights) {
-  const double most = nu + 1;
+  const double information = 1 / variance;
   for (int p = 0; p < count; ++p) {
-    const double weight = most / (nu + residuals[p] * residuals[p] / variance);
+    const double weight = (nu + 1) / (nu + residuals[p] * residuals[p] * information);
     weights[p] = static_cast<float>(weight < 1 ? weight : 1.0);
   }
 }
