@@ -146,11 +146,10 @@ class Trials {
       return fit.is_ok() && is_surer(fit, edges) &&
              is_confirmed_by(edges, fit.cam_from_target, support, task.prior);
     };
-    const bool is_best_confirmed = is_confirmed(best_);
-    const bool is_near_better = !is_best_confirmed || near.cost < best_.cost;
-    if (is_near_better && is_confirmed(near)) {
+    // Where both are confirmed the one that began there depends less on the prior.
+    if (is_confirmed(near)) {
       out = near;
-    } else if (!is_best_confirmed) {
+    } else if (!is_confirmed(best_)) {
       out.cam_from_target = edges.cam_from_target;
       out.covariance = edges.covariance;
       out.status = RegistrationStatus::kOk;
