@@ -248,8 +248,8 @@ Registration searched(const RegistrationTask& task, const GreyImage& image, Fitt
 }
 
 // Squares' own lights explain nearly all that a wrong pose makes of a flat face, and leave little
-// along its slivers: of frames of one face the wrong poses left more than this but one in fourteen,
-// the right ones one in sixteen.
+// along its slivers. Of frames of one face nearly all wrong poses left more than this, and a tenth
+// of the right ones (docs/registration.md).
 bool suits_one_face(const Registration& fit) {
   constexpr double kMostFactor = 1.3;
   constexpr double kMostLostOfFace = 0.0004;
