@@ -34,10 +34,12 @@ Learning new_learning(const cv::Size& image, double pixel_variance);
 
 /// A block without its local deviations.
 struct ReducedBlock {
-  Eigen::MatrixXd
-      system;  ///< of the unknowns and the residual: Z' W Z - Z' W B (B' W B + T^-1)^-1 B' W Z
-  Eigen::MatrixXd response;    ///< of the deviations to Z
-  Eigen::MatrixXd covariance;  ///< of the deviations
+  using System = Eigen::Matrix<double, kUnknowns + 1, kUnknowns + 1>;
+
+  /// Of the unknowns and the residual: Z' W Z - Z' W B (B' W B + T^-1)^-1 B' W Z.
+  System system;
+  Eigen::Matrix<double, kLocals, kUnknowns + 1> response;  ///< of the deviations to Z
+  Eigen::Matrix<double, kLocals, kLocals> covariance;      ///< of the deviations
 };
 
 /// Marginalises a block's deviations: its light's by `inside_variance`, each of (albedo,
@@ -47,7 +49,7 @@ ReducedBlock reduced(const double* gram, double inside_variance, double outside_
 /// What a solution leaves of a block: its residuals, and its deviations.
 struct BlockRest {
   std::vector<double> residuals;  ///< of its pixels
-  Eigen::VectorXd deviations;
+  Eigen::Matrix<double, kLocals, 1> deviations;
 };
 
 /// What is known of the unknowns besides the image: `information` about zero change, and `pull`,

@@ -3,7 +3,6 @@
 #include "registration/block_rows.h"
 
 #include <algorithm>
-#include <iterator>
 
 #include <Eigen/Geometry>
 #include <opencv2/core.hpp>
@@ -30,11 +29,11 @@ class ColumnWriter {
   void write(std::span<const int> pixels, const cv::Rect& square, int stride,
              double* columns) const {
     PixelSlopes slopes;
-    const int width = image_.grey.cols;
-    for (size_t i = 0; i < pixels.size(); ++i) {
-      const int y = pixels[i] / width, x = pixels[i] % width;
-      write_pixel(y, x, square, stride, columns + i);
-      write_slopes(y - view_.box.y, x - view_.box.x, i, slopes);
+    for (size_t i = 0; i < pixels.size();) {
+      const size_t length = run_length(pixels.subspan(i));
+      write_run(pixels[i], static_cast<int>(length), square, stride, columns + i);
+      write_slopes(pixels[i], static_cast<int>(length), i, slopes);
+      i += length;
     }
     const auto count = static_cast<int>(pixels.size());
     write_pose_columns(slopes, origin_.data(), light_.data(), count, stride, columns);
@@ -45,42 +44,67 @@ class ColumnWriter {
   }
 
  private:
-  // All columns but those of the pose.
-  void write_pixel(int y, int x, const cv::Rect& square, int stride, double* to) const {
+  // How many pixels follow the first in its row, itself included.
+  size_t run_length(std::span<const int> pixels) const {
+    const int width = image_.grey.cols;
+    const int row_end = pixels[0] - pixels[0] % width + width;
+    size_t length = 1;
+    while (length < pixels.size() && pixels[length] == pixels[0] + static_cast<int>(length) &&
+           pixels[length] < row_end) {
+      ++length;
+    }
+    return length;
+  }
+
+  // All columns but those of the pose, of pixels side by side.
+  void write_run(int first, int count, const cv::Rect& square, int stride, double* to) const {
+    const int y = first / image_.grey.cols, x = first % image_.grey.cols;
     const int v = y - view_.box.y, u = x - view_.box.x;
-    const double outside = view_.basis[4].ptr<float>(v)[u];
-    const double slope_x = (x + 0.5 - square.x) * 2 / kBlockPx - 1;
-    const double slope_y = (y + 0.5 - square.y) * 2 / kBlockPx - 1;
-    const double values[] = {
-        view_.basis[0].ptr<float>(v)[u],
-        view_.basis[1].ptr<float>(v)[u],
-        view_.basis[2].ptr<float>(v)[u],
-        view_.basis[3].ptr<float>(v)[u],
-        outside,
-        has_blur_ ? picture_.half_laplacian.ptr<float>(v)[u] : 0,
-        static_cast<double>(image_.grey.ptr<float>(y)[x]) - picture_.grey.ptr<float>(v)[u],
-        outside * slope_x,
-        outside * slope_y};
-    static_assert(std::size(values) == kColumns - kLightAt);
     to += static_cast<ptrdiff_t>(kLightAt) * stride;
-    for (const double value : values) {
-      *to = value;
+    for (const cv::Mat& basis : view_.basis) {
+      std::copy_n(basis.ptr<float>(v) + u, count, to);
       to += stride;
+    }
+    if (has_blur_) {
+      std::copy_n(picture_.half_laplacian.ptr<float>(v) + u, count, to);
+    } else {
+      std::fill_n(to, count, 0.0);
+    }
+    double* const residual = to + stride;
+    double* const along_x = residual + stride;
+    double* const along_y = along_x + stride;
+    const float* const outside = view_.basis[4].ptr<float>(v) + u;
+    const float* const grey = image_.grey.ptr<float>(y) + x;
+    const float* const model = picture_.grey.ptr<float>(v) + u;
+    const double slope_y = (y + 0.5 - square.y) * 2 / kBlockPx - 1;
+    for (int i = 0; i < count; ++i) {
+      const double slope_x = (x + i + 0.5 - square.x) * 2 / kBlockPx - 1;
+      residual[i] = static_cast<double>(grey[i]) - model[i];
+      along_x[i] = outside[i] * slope_x;
+      along_y[i] = outside[i] * slope_y;
     }
   }
 
-  void write_slopes(int v, int u, size_t i, PixelSlopes& slopes) const {
-    const cv::Vec3f& front = view_.front_m.ptr<cv::Vec3f>(v)[u];
-    Eigen::Vector2d by_ray(picture_.by_x.ptr<float>(v)[u], picture_.by_y.ptr<float>(v)[u]);
-    if (!is_straight_) {
-      const double z = front[2];
-      by_ray = lens_jacobian(image_.camera, {front[0] / z, front[1] / z}).transpose() * by_ray;
+  // Of pixels side by side, into the places from `at` on.
+  void write_slopes(int first, int count, size_t at, PixelSlopes& slopes) const {
+    const int v = first / image_.grey.cols - view_.box.y,
+              u = first % image_.grey.cols - view_.box.x;
+    const cv::Vec3f* const front = view_.front_m.ptr<cv::Vec3f>(v) + u;
+    const float* const by_x = picture_.by_x.ptr<float>(v) + u;
+    const float* const by_y = picture_.by_y.ptr<float>(v) + u;
+    for (int i = 0; i < count; ++i, ++at) {
+      Eigen::Vector2d by_ray(by_x[i], by_y[i]);
+      if (!is_straight_) {
+        const double z = front[i][2];
+        by_ray =
+            lens_jacobian(image_.camera, {front[i][0] / z, front[i][1] / z}).transpose() * by_ray;
+      }
+      slopes.x_m[at] = front[i][0];
+      slopes.y_m[at] = front[i][1];
+      slopes.z_m[at] = front[i][2];
+      slopes.by_u[at] = by_ray.x() * image_.camera.fx_px;
+      slopes.by_v[at] = by_ray.y() * image_.camera.fy_px;
     }
-    slopes.x_m[i] = front[0];
-    slopes.y_m[i] = front[1];
-    slopes.z_m[i] = front[2];
-    slopes.by_u[i] = by_ray.x() * image_.camera.fx_px;
-    slopes.by_v[i] = by_ray.y() * image_.camera.fy_px;
   }
 
   const GreyImage& image_;
@@ -114,8 +138,16 @@ void append_usable(const GreyImage& image, const ModelView& view, const cv::Rect
 double outline_in(const cv::Mat& outline, const cv::Rect& box, std::span<const int> pixels,
                   int width) {
   double sum = 0;
-  for (const int pixel : pixels)
-    sum += outline.at<float>(pixel / width - box.y, pixel % width - box.x);
+  int row = -1, row_begin = 0;
+  const float* of_row = nullptr;
+  for (const int pixel : pixels) {
+    if (row < 0 || pixel >= row_begin + width) {
+      row = pixel / width;
+      row_begin = row * width;
+      of_row = outline.ptr<float>(row - box.y);
+    }
+    sum += of_row[pixel - row_begin - box.x];
+  }
   return sum;
 }
 

@@ -7,14 +7,31 @@
 namespace sightline {
 namespace {
 
-// The sum of a[p] b[p], in lanes whose number no processor changes, so that no result does.
-inline double dot(const double* a, const double* b, int count) {
-  double lanes[kLanes] = {};
-  for (int p = 0; p < count; p += kLanes) {
-    for (int k = 0; k < kLanes; ++k) lanes[k] += a[p + k] * b[p + k];
+// Numbers of so many pixels side by side: their number is the same on every processor, so that
+// results are.
+using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+
+inline void load(const double* from, Lanes& to) {
+  __builtin_memcpy(&to, from, sizeof to);
+}
+
+// The sums of a[p] b[p] for N columns b. Several at once: one alone would wait for its own last
+// addition.
+template <int N>
+inline void dots(const double* a, const double* b, int stride, double* sums) {
+  Lanes total[N] = {};
+  for (int p = 0; p < stride; p += kLanes) {
+    Lanes left, right;
+    load(a + p, left);
+    for (int j = 0; j < N; ++j) {
+      load(b + j * stride + p, right);
+      total[j] += left * right;
+    }
   }
-  return ((lanes[0] + lanes[4]) + (lanes[2] + lanes[6])) +
-         ((lanes[1] + lanes[5]) + (lanes[3] + lanes[7]));
+  for (int j = 0; j < N; ++j) {
+    const Lanes& l = total[j];
+    sums[j] = ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]));
+  }
 }
 
 }  // namespace
@@ -56,22 +73,41 @@ void weighted_gram(const double* columns, int stride, const double* weights, dou
   for (int i = 0; i < kColumns; ++i) {
     const double* const column = columns + i * stride;
     for (int p = 0; p < stride; ++p) weighted[p] = column[p] * weights[p];
-    for (int j = i; j < kColumns; ++j) {
-      const double sum = dot(weighted, columns + j * stride, stride);
-      gram[kColumns * i + j] = sum;
-      gram[kColumns * j + i] = sum;
-    }
+    double* const row = gram + kColumns * i;
+    int j = i;
+    for (; j + 4 <= kColumns; j += 4) dots<4>(weighted, columns + j * stride, stride, row + j);
+    for (; j < kColumns; ++j) dots<1>(weighted, columns + j * stride, stride, row + j);
+    for (j = i; j < kColumns; ++j) gram[kColumns * j + i] = row[j];
   }
 }
 
 SIGHTLINE_MULTIVERSION
 void combine_columns(const double* columns, int stride, const double* coefficients, double* out) {
-  for (int p = 0; p < stride; ++p) out[p] = 0;
-  for (int i = 0; i < kColumns; ++i) {
-    const double* const column = columns + i * stride;
-    const double c = coefficients[i];
-    for (int p = 0; p < stride; ++p) out[p] += c * column[p];
+  for (int p = 0; p < stride; p += kLanes) {
+    Lanes sum = {}, column;
+    for (int i = 0; i < kColumns; ++i) {
+      load(columns + i * stride + p, column);
+      sum += coefficients[i] * column;
+    }
+    __builtin_memcpy(out + p, &sum, sizeof sum);
   }
+}
+
+SIGHTLINE_MULTIVERSION
+void student_weights(const double* residuals, int count, double variance, double nu,
+                     float* weights) {
+  const double information = 1 / variance;
+  for (int p = 0; p < count; ++p) {
+    const double weight = (nu + 1) / (nu + residuals[p] * residuals[p] * information);
+    weights[p] = static_cast<float>(weight < 1 ? weight : 1.0);
+  }
+}
+
+SIGHTLINE_MULTIVERSION
+int count_below(const double* values, int count, double size) {
+  int below = 0;
+  for (int p = 0; p < count; ++p) below += (values[p] < size) & (values[p] > -size);
+  return below;
 }
 
 }  // namespace sightline

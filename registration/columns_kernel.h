@@ -34,4 +34,11 @@ void weighted_gram(const double* columns, int stride, const double* weights, dou
 /// out[p] = sum over columns i of coefficients[i] c_i[p].
 void combine_columns(const double* columns, int stride, const double* coefficients, double* out);
 
+/// Student's weights of residuals with that variance and `nu` degrees of freedom, at most 1.
+void student_weights(const double* residuals, int count, double variance, double nu,
+                     float* weights);
+
+/// How many of the values are smaller than that size, whatever their sign.
+int count_below(const double* values, int count, double size);
+
 }  // namespace sightline

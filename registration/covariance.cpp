@@ -16,7 +16,7 @@ constexpr int kClusterBlocks = 3;  // of a side: what errs together in a coarse 
 // The sum over clusters of the outer products of their scores, which noise alone makes the
 // information.
 Eigen::MatrixXd disagreement(const BlockRows& rows, const Solution& solution) {
-  Eigen::VectorXd of_columns(kUnknowns + 1);
+  Eigen::Matrix<double, kUnknowns + 1, 1> of_columns;
   of_columns << -solution.change, 1;
   std::map<std::pair<int, int>, Eigen::VectorXd> scores;
   for (size_t b = 0; b < rows.blocks.size(); ++b) {

@@ -39,9 +39,11 @@ struct Round {
   int draws;      // about each that the last round kept
   double spread;  // of the prior's
   size_t kept;
+  double apart;  // sds of the prior between any two that are kept: else all are soon of one place
+  size_t every;  // which of the edge points are asked: on blurred images neighbours say the same
 };
 constexpr std::array<Round, 3> kRounds = {
-    {{2.5, 300, 1, 8}, {1.5, 25, 0.35, 4}, {kSharpBlurPx, 40, 0.12, 5}}};
+    {{2.5, 4000, 1.2, 10, 1, 2}, {1.5, 25, 0.35, 6, 0.7, 2}, {kSharpBlurPx, 40, 0.12, 5, 0.5, 1}}};
 
 class Search {
  public:
@@ -62,16 +64,31 @@ class Search {
  private:
   void narrow(const Round& round) {
     const EdgeImage edges(image_, round.blur_px);
+    std::vector<MeshEdgePoint> points;
+    for (size_t i = 0; i < points_.size(); i += round.every) points.push_back(points_[i]);
     std::vector<Candidate> found;
     for (const Candidate& about : best_) {
       found.push_back(about);
       for (int i = 0; i < round.draws; ++i) found.push_back({0, drawn(about.pose, round.spread)});
     }
-    for (Candidate& c : found) c.support = edge_support(edges, image_.camera, points_, c.pose);
+    for (Candidate& c : found) c.support = edge_support(edges, image_.camera, points, c.pose);
     std::stable_sort(found.begin(), found.end(),
                      [](const Candidate& a, const Candidate& b) { return a.support > b.support; });
-    found.resize(std::min(found.size(), round.kept));
-    best_ = std::move(found);
+    best_ = apart(found, round);
+  }
+
+  // The best, none nearer to a better one than the round says.
+  std::vector<Candidate> apart(const std::vector<Candidate>& found, const Round& round) const {
+    std::vector<Candidate> kept;
+    for (const Candidate& candidate : found) {
+      const bool is_apart = std::ranges::all_of(kept, [&](const Candidate& better) {
+        const Vector6d change = change_between(better.pose, candidate.pose);
+        return spread_.triangularView<Eigen::Lower>().solve(change).norm() > round.apart;
+      });
+      if (is_apart) kept.push_back(candidate);
+      if (kept.size() == round.kept) break;
+    }
+    return kept;
   }
 
   Pose drawn(const Pose& about, double spread) {

@@ -3,6 +3,7 @@
 #include "registration/fit.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <opencv2/core.hpp>
@@ -87,14 +88,15 @@ void Fitter::fit_first_light(const GreyImage& image, const ModelView& view) {
   const LightVector usual(76, 0, 0, -120, 38);
   constexpr double kWeight = 0.05;  // of the belief, over the image's word on the glow
   constexpr double kWeightOfBackground = 0.001;
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(5, 5);
+  Eigen::Matrix<double, 5, 5> gram = Eigen::Matrix<double, 5, 5>::Zero();
   LightVector right = LightVector::Zero();
   for (int y = 0; y < view.box.height; ++y) {
     const float* const grey = image.grey.ptr<float>(y + view.box.y) + view.box.x;
+    std::array<const float*, 5> basis{};
+    for (size_t k = 0; k < 5; ++k) basis[k] = view.basis[k].ptr<float>(y);
     for (int x = 0; x < view.box.width; ++x) {
-      LightVector row;
-      for (size_t k = 0; k < 5; ++k) row[static_cast<int>(k)] = view.basis[k].at<float>(y, x);
-      gram += row * row.transpose();
+      const LightVector row(basis[0][x], basis[1][x], basis[2][x], basis[3][x], basis[4][x]);
+      gram.noalias() += row.lazyProduct(row.transpose());
       right += row * grey[x];
     }
   }

@@ -3,6 +3,7 @@
 #include "registration/model_view.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <opencv2/core.hpp>
@@ -16,10 +17,26 @@ namespace {
 constexpr double kBandPx = 3.5;      // half the width of the band along the outline
 constexpr float kDepthJump = 3e-4F;  // of the depth: more than a surface falls in a pixel
 
+// The least depth of a pixel and its eight neighbours, of those that see the target.
+cv::Mat nearest_depths(const cv::Mat& front_m) {
+  cv::Mat depth(front_m.size(), CV_32F);
+  for (int y = 0; y < front_m.rows; ++y) {
+    const cv::Vec3f* const row = front_m.ptr<cv::Vec3f>(y);
+    float* const to = depth.ptr<float>(y);
+    for (int x = 0; x < front_m.cols; ++x) {
+      to[x] = row[x][2] == 0 ? std::numeric_limits<float>::max() : row[x][2];
+    }
+  }
+  cv::erode(depth, depth, cv::Mat());
+  return depth;
+}
+
 // Of pixels that see the target, the nearest surface of their neighbourhood where depth jumps.
 cv::Mat nearest_at_jumps(const cv::Mat& front_m) {
   cv::Mat out = front_m.clone();
+  const cv::Mat nearest_around = nearest_depths(front_m);
   for (int y = 1; y + 1 < front_m.rows; ++y) {
+    const float* const around_m = nearest_around.ptr<float>(y);
     const cv::Vec3f* rows[3] = {front_m.ptr<cv::Vec3f>(y - 1), front_m.ptr<cv::Vec3f>(y),
                                 front_m.ptr<cv::Vec3f>(y + 1)};
     cv::Vec3f* const to = out.ptr<cv::Vec3f>(y);
@@ -27,6 +44,7 @@ cv::Mat nearest_at_jumps(const cv::Mat& front_m) {
       const float own_m = rows[1][x][2];
       if (own_m == 0) continue;
       float nearest_m = own_m * (1 - kDepthJump);
+      if (around_m[x] >= nearest_m) continue;
       for (const cv::Vec3f* row : rows) {
         for (int u = x - 1; u <= x + 1; ++u) {
           if (row[u][2] == 0 || row[u][2] >= nearest_m) continue;
@@ -45,22 +63,27 @@ cv::Mat continue_outwards(int reach, cv::Mat& front_m) {
   cv::Mat is_empty(front_m.size(), CV_8U);
   for (int y = 0; y < front_m.rows; ++y) {
     const cv::Vec3f* const row = front_m.ptr<cv::Vec3f>(y);
-    for (int x = 0; x < front_m.cols; ++x) is_empty.at<uchar>(y, x) = row[x][2] > 0 ? 0 : 255;
+    uchar* const to = is_empty.ptr<uchar>(y);
+    for (int x = 0; x < front_m.cols; ++x) to[x] = row[x][2] > 0 ? 0 : 255;
   }
   cv::Mat distance, label;
   cv::distanceTransform(is_empty, distance, label, cv::DIST_L2, cv::DIST_MASK_3,
                         cv::DIST_LABEL_PIXEL);
   std::vector<cv::Vec3f> at(front_m.total() + 1, cv::Vec3f(0, 0, 0));
   for (int y = 0; y < front_m.rows; ++y) {
+    const cv::Vec3f* const row = front_m.ptr<cv::Vec3f>(y);
+    const int* const labels = label.ptr<int>(y);
     for (int x = 0; x < front_m.cols; ++x) {
-      if (is_empty.at<uchar>(y, x) != 0) continue;
-      at[static_cast<size_t>(label.at<int>(y, x))] = front_m.at<cv::Vec3f>(y, x);
+      if (row[x][2] > 0) at[static_cast<size_t>(labels[x])] = row[x];
     }
   }
   for (int y = 0; y < front_m.rows; ++y) {
+    cv::Vec3f* const row = front_m.ptr<cv::Vec3f>(y);
+    const uchar* const empty = is_empty.ptr<uchar>(y);
+    const int* const labels = label.ptr<int>(y);
+    const float* const distances = distance.ptr<float>(y);
     for (int x = 0; x < front_m.cols; ++x) {
-      if (is_empty.at<uchar>(y, x) == 0 || distance.at<float>(y, x) > reach) continue;
-      front_m.at<cv::Vec3f>(y, x) = at[static_cast<size_t>(label.at<int>(y, x))];
+      if (empty[x] != 0 && distances[x] <= reach) row[x] = at[static_cast<size_t>(labels[x])];
     }
   }
   return distance;

@@ -135,18 +135,21 @@ class Trials {
 
   bool is_best_alien() const { return !best_.is_ok() || is_alien(best_); }
 
-  // The best fit's pose; none where no start led anywhere.
-  std::optional<Pose> pose() const {
-    return best_.is_ok() ? std::optional(best_.cam_from_target) : std::nullopt;
-  }
-
-  // What edges say of an image that does not look like the model: they confirm the fit of grey
-  // levels, which is the finer one, or their own pose is the answer. `support` is the edges' of the
-  // fit of grey levels.
-  Registration result(const RegistrationTask& task, const EdgeFit& edges, double support) const {
-    Registration out = counted();
-    out.drawings += edges.drawings + 1;  // for the support
-    if (!is_confirmed_by(edges, support, task.prior)) {
+  // What edges say of an image that does not look like the model: they confirm a fit of grey
+  // levels, which is the finer one, or their own pose is the answer. `near` was fitted from there;
+  // `support` asks the edges about a pose.
+  template <typename Support>
+  Registration result(const RegistrationTask& task, const EdgeFit& edges, const Registration& near,
+                      const Support& support) const {
+    Registration out = best_;
+    const auto is_confirmed = [&](const Registration& fit) {
+      return fit.is_ok() && is_surer(fit, edges) &&
+             is_confirmed_by(edges, fit.cam_from_target, support, task.prior);
+    };
+    // Where both are confirmed the one that began there depends less on the prior.
+    if (is_confirmed(near)) {
+      out = near;
+    } else if (!is_confirmed(best_)) {
       out.cam_from_target = edges.cam_from_target;
       out.covariance = edges.covariance;
       out.status = RegistrationStatus::kOk;
@@ -154,6 +157,8 @@ class Trials {
     if (!edges.is_believable()) {
       distrust("the image does not look like the model, nor has it an outline there", out);
     }
+    out.starts = starts_;
+    out.drawings = drawings_ + edges.drawings + 2;  // for the supports
     return judged(out, task);
   }
 
@@ -166,16 +171,24 @@ class Trials {
   }
 
  private:
-  // Whether edges have nothing against the fit of grey levels: they lie where it does, or support
-  // it nearly as much as their own. Right fits have at least 0.97 of that, fits of print at most
-  // 0.75, but where the outline is the same again, which is for the prior to tell.
-  bool is_confirmed_by(const EdgeFit& edges, double support, const PosePrior& prior) const {
+  // Whether grey levels know the attitude better than edges do. Where print spoils them, they know
+  // themselves that they do not.
+  static bool is_surer(const Registration& fit, const EdgeFit& edges) {
+    return fit.covariance.topLeftCorner<3, 3>().trace() <
+           edges.covariance.topLeftCorner<3, 3>().trace();
+  }
+
+  // Whether edges have nothing against a fit of grey levels: they lie where it does, or support it
+  // nearly as much as their own. Right fits have at least 0.97 of that, fits of print at most 0.75,
+  // but where the outline is the same again, which is for the prior to tell.
+  template <typename Support>
+  static bool is_confirmed_by(const EdgeFit& edges, const Pose& pose, const Support& support,
+                              const PosePrior& prior) {
     constexpr double kFarthest = 25;  // squared sds
     constexpr double kNearlyAsMuch = 0.9;
-    if (!best_.is_ok() || !is_allowed_by(prior, best_.cam_from_target)) return false;
-    return support >= kNearlyAsMuch * edges.support ||
-           mahalanobis2(change_between(edges.cam_from_target, best_.cam_from_target),
-                        edges.covariance) < kFarthest;
+    if (!is_allowed_by(prior, pose)) return false;
+    return support(pose) >= kNearlyAsMuch * edges.support ||
+           mahalanobis2(change_between(edges.cam_from_target, pose), edges.covariance) < kFarthest;
   }
 
   Registration counted() const {
@@ -222,15 +235,25 @@ Registration searched(const RegistrationTask& task, const GreyImage& image, Fitt
   }
   if (trials.is_best_alien()) {
     if (const auto edges = fit_edges(image, task.mesh, task.prior)) {
-      if (!trials.is_best_printed() &&
-          trials.take(fitter.fit(fit_levels(image, true), edges->cam_from_target, kTightSd))) {
-        return trials.result(task);
-      }
-      const auto pose = trials.pose();
-      return trials.result(task, *edges, pose ? edge_support_at(image, task.mesh, *pose) : 0);
+      const bool is_printed = trials.is_best_printed();
+      const Registration near =
+          fitter.fit(fit_levels(image, true), edges->cam_from_target, kTightSd);
+      if (trials.take(near) && !is_printed) return trials.result(task);
+      return trials.result(task, *edges, near, [&](const Pose& pose) {
+        return edge_support_at(image, task.mesh, pose);
+      });
     }
   }
   return trials.result(task);
+}
+
+// Squares' own lights explain nearly all that a wrong pose makes of a flat face, and leave little
+// along its slivers. Of frames of one face nearly all wrong poses left more than this, and a tenth
+// of the right ones (docs/registration.md).
+bool suits_one_face(const Registration& fit) {
+  constexpr double kMostFactor = 1.3;
+  constexpr double kMostLostOfFace = 0.0004;
+  return fit.cluster_factor <= kMostFactor && fit.lost <= kMostLostOfFace;
 }
 
 // Where one flat face is seen and its neighbours as slivers, poses that are turned a little look
@@ -266,6 +289,9 @@ Registration tried_around(const Registration& found, const RegistrationTask& tas
   });
   if (best.is_ok() && has_rival) {
     distrust("one flat face alone is seen, and other poses are as good", best);
+  } else if (best.is_ok() && !suits_one_face(best)) {
+    distrust("one flat face alone is seen, and what the pose leaves of the image is no noise",
+             best);
   }
   return best;
 }

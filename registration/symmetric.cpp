@@ -27,11 +27,6 @@ Eigen::VectorXd solved(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& rig
   return unscale.cwiseProduct(scaled_x);
 }
 
-Eigen::MatrixXd positive_inverse(const Eigen::MatrixXd& matrix) {
-  const Eigen::LDLT<Eigen::MatrixXd> factor(matrix);
-  return factor.solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
-}
-
 double mahalanobis2(const Eigen::VectorXd& e, const Eigen::MatrixXd& matrix) {
   return e.dot(solved(matrix, e));
 }

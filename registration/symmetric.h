@@ -17,9 +17,6 @@ std::optional<Eigen::MatrixXd> inverse_of(const Eigen::MatrixXd& matrix);
 /// The x with matrix x = right, of a positive definite matrix.
 Eigen::VectorXd solved(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
 
-/// The inverse of a matrix that is known to be positive definite, in units that suit each other.
-Eigen::MatrixXd positive_inverse(const Eigen::MatrixXd& matrix);
-
 /// e' matrix^-1 e.
 double mahalanobis2(const Eigen::VectorXd& e, const Eigen::MatrixXd& matrix);
 

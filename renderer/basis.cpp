@@ -3,13 +3,15 @@
 #include "renderer/basis.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <opencv2/core.hpp>
 
+#include "renderer/placed_body.h"
 #include "renderer/screen.h"
-#include "renderer/shading.h"
 
 namespace sightline {
 namespace {
@@ -37,41 +39,43 @@ class BasisDrawer::PixelSums {
  public:
   PixelSums(const PlacedBody& body, const Camera& camera, const Screen& screen,
             const SamplePattern& pattern, const std::optional<Eigen::Vector3d>& to_light_in_cam)
-      : hits_(body), camera_(camera), screen_(screen), pattern_(pattern) {
-    if (to_light_in_cam) to_light_ = body.cam_from_body.rotation.transpose() * *to_light_in_cam;
-    is_lit_all_ = !to_light_in_cam;
-  }
+      : body_(body),
+        camera_(camera),
+        screen_(screen),
+        pattern_(pattern),
+        is_straight_(is_straight(camera)),
+        to_light_(to_light_in_cam.value_or(Eigen::Vector3d::Zero())),
+        is_lit_all_(!to_light_in_cam) {}
 
   // The pixel (x, y) of the image into the place `at` (column, row) of the images.
   void add(int x, int y, const uint32_t* ids, const cv::Point& at, BasisImages& images) {
+    count(ids);
+    if (known_ == 0) return;
     Eigen::Vector2d centre = screen_.normalised({static_cast<double>(x), static_cast<double>(y)});
     Eigen::Matrix2d per_pixel = Eigen::Vector2d(1 / camera_.fx_px, 1 / camera_.fy_px).asDiagonal();
-    if (!is_straight(camera_)) per_pixel *= lens_jacobian(camera_, centre).inverse();
-    count(ids);
+    if (!is_straight_) per_pixel *= lens_jacobian(camera_, centre).inverse();
     int covered = 0;
     double albedo = 0;
     Eigen::Vector3d albedo_normal = Eigen::Vector3d::Zero();
     Eigen::Vector3d front(0, 0, std::numeric_limits<double>::max());
     for (int i = 0; i < known_; ++i) {
       const Seen& seen = seen_[static_cast<size_t>(i)];
+      const Facet& facet = facet_of(seen.id - 1);
       const Eigen::Vector2d offset(pattern_.x[seen.sample], pattern_.y[seen.sample]);
-      const SurfacePoint point =
-          hits_.on(static_cast<int>(seen.id - 1), centre + per_pixel * offset);
-      const double part = seen.samples * albedo_of(point);
+      const Hit hit = hit_on(facet, (centre + per_pixel * offset).homogeneous());
+      const double part = seen.samples * facet.albedo;
       covered += seen.samples;
       albedo += part;
-      albedo_normal += part * lit_normal(point);
-      const Eigen::Vector3d x_in_cam = hits_.body().cam_from_body * hits_.in_body(point);
-      if (x_in_cam.z() < front.z()) front = x_in_cam;
+      albedo_normal += part * lit_normal(facet, hit);
+      const Eigen::Vector3d point = facet.corners * hit.weights;
+      if (point.z() < front.z()) front = point;
     }
-    if (covered == 0) return;
-    const Eigen::Vector3d turned = hits_.body().cam_from_body.rotation * albedo_normal;
     const double share = 1.0 / pattern_.count;
     images.coverage.at<float>(at) = static_cast<float>(covered * share);
     images.albedo.at<float>(at) = static_cast<float>(albedo * share);
     for (size_t k = 0; k < 3; ++k) {
       images.albedo_normal[k].at<float>(at) =
-          static_cast<float>(turned[static_cast<int>(k)] * share);
+          static_cast<float>(albedo_normal[static_cast<int>(k)] * share);
     }
     const Eigen::Vector3f f = front.cast<float>();
     images.front_m.at<cv::Vec3f>(at) = cv::Vec3f(f.x(), f.y(), f.z());
@@ -85,7 +89,31 @@ class BasisDrawer::PixelSums {
     int samples = 0;
   };
 
+  // What the pixels that see a triangle need of it, in the camera.
+  struct Facet {
+    uint32_t triangle = std::numeric_limits<uint32_t>::max();
+    double albedo = 0;
+    bool is_flat = false;     // its corners' normals are the same
+    Eigen::Matrix3d corners;  // by columns, as the normals
+    Eigen::Matrix3d normals;
+    Eigen::Matrix3d across;  // by a ray: the volumes that it spans with the edges
+  };
+
+  // Where a ray meets a triangle: weights of its corners, and from which side.
+  struct Hit {
+    Eigen::Vector3d weights;
+    bool is_front = true;
+  };
+
   void count(const uint32_t* ids) {
+    const uint32_t first = ids[0];
+    uint32_t differs = 0;
+    for (int k = 1; k < pattern_.count; ++k) differs |= ids[k] ^ first;
+    if (differs == 0) {
+      known_ = first == 0 ? 0 : 1;
+      seen_[0] = {first, 0, pattern_.count};
+      return;
+    }
     known_ = 0;
     for (int k = 0; k < pattern_.count; ++k) {
       const uint32_t id = ids[k];
@@ -100,33 +128,70 @@ class BasisDrawer::PixelSums {
     }
   }
 
-  double albedo_of(const SurfacePoint& point) const {
-    const Mesh& mesh = *hits_.body().mesh;
-    return mesh.parts[static_cast<size_t>(mesh.triangles[static_cast<size_t>(point.triangle)].part)]
-        .albedo;
+  // Neighbouring pixels see the same few triangles: those are kept.
+  const Facet& facet_of(uint32_t triangle) {
+    Facet& facet = facets_[triangle % facets_.size()];
+    if (facet.triangle != triangle) facet = made_facet(triangle);
+    return facet;
   }
 
-  // The unit shading normal in the mesh's frame; zero where it is turned away from the light. The
-  // inside of an open mesh is lit as a sheet of paper is, as the renderer does.
-  Eigen::Vector3d lit_normal(const SurfacePoint& point) const {
-    const auto& corners = hits_.body().mesh->triangles[static_cast<size_t>(point.triangle)].normal;
-    Eigen::Vector3d normal = point.weights[0] * corners[0] + point.weights[1] * corners[1] +
-                             point.weights[2] * corners[2];
-    if (!point.is_front) normal = -normal;
-    const double length = normal.norm();
+  Facet made_facet(uint32_t triangle) const {
+    const Mesh& mesh = *body_.mesh;
+    const Triangle& of_mesh = mesh.triangles[triangle];
+    Facet facet;
+    facet.triangle = triangle;
+    facet.albedo = mesh.parts[static_cast<size_t>(of_mesh.part)].albedo;
+    for (int i = 0; i < 3; ++i) {
+      const auto k = static_cast<size_t>(i);
+      facet.corners.col(i) =
+          body_.cam_from_body * mesh.vertices[static_cast<size_t>(of_mesh.vertex[k])];
+      facet.normals.col(i) = body_.cam_from_body.rotation * of_mesh.normal[k];
+    }
+    facet.is_flat =
+        of_mesh.normal[0] == of_mesh.normal[1] && of_mesh.normal[0] == of_mesh.normal[2];
+    if (facet.is_flat) facet.normals.colwise().normalize();
+    for (int i = 0; i < 3; ++i) {
+      facet.across.row(i) = facet.corners.col((i + 1) % 3).cross(facet.corners.col((i + 2) % 3));
+    }
+    return facet;
+  }
+
+  // The ray's place on the triangle's plane, moved into the triangle if it misses.
+  static Hit hit_on(const Facet& facet, const Eigen::Vector3d& ray) {
+    Eigen::Vector3d volumes = facet.across * ray;
+    Hit hit;
+    // Their sum is the winding normal along the ray.
+    hit.is_front = volumes.sum() < 0;
+    if (hit.is_front) volumes = -volumes;
+    volumes = volumes.cwiseMax(0);
+    const double sum = volumes.sum();
+    // Seen exactly edge-on there is nothing to divide by.
+    hit.weights = sum > 0 ? Eigen::Vector3d(volumes / sum) : Eigen::Vector3d::Constant(1.0 / 3);
+    return hit;
+  }
+
+  // The unit shading normal in the camera; zero where it is turned away from the light. The inside
+  // of an open mesh is lit as a sheet of paper is, as the renderer does.
+  Eigen::Vector3d lit_normal(const Facet& facet, const Hit& hit) const {
+    Eigen::Vector3d normal = facet.normals.col(0);
+    if (!facet.is_flat) normal = facet.normals * hit.weights;
+    if (!hit.is_front) normal = -normal;
+    const double length = facet.is_flat ? 1 : normal.norm();
     if (!(length > 0)) return Eigen::Vector3d::Zero();
     if (!is_lit_all_ && normal.dot(to_light_) <= 0) return Eigen::Vector3d::Zero();
     return normal / length;
   }
 
-  RayHits hits_;
+  PlacedBody body_;
   const Camera& camera_;
   const Screen& screen_;
   const SamplePattern& pattern_;
-  Eigen::Vector3d to_light_ = Eigen::Vector3d::Zero();  // mesh's frame
-  bool is_lit_all_ = true;
+  bool is_straight_;
+  Eigen::Vector3d to_light_;  // in the camera
+  bool is_lit_all_;
   std::vector<Seen> seen_ = std::vector<Seen>(static_cast<size_t>(pattern_.count));
   int known_ = 0;  // entries of seen_
+  std::array<Facet, 64> facets_;
 };
 
 BasisDrawer::BasisDrawer(const Mesh& mesh, const Camera& camera)
