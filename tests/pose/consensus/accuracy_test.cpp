@@ -103,10 +103,10 @@ TEST_P(ConsensusAccuracy, LeastSquaresIsNot) {
 }
 
 /// The mean is six where covariances are honest. Least squares on the true inliers of these targets
-/// has 6.2: some are seen nearly from the edge, which bends the linear model. Of 2000 draws a mean of
-/// chi-square deviates by 0.08, and several times that where few draws have long tails, so that a
-/// unit is allowed: it is 6.8 and 6.6. Without the sets that lack one inlier the first is 7.4, with
-/// the noise found as by the spread of the target's pixels the second 7.1.
+/// has 6.2: some are seen nearly from the edge, which bends the linear model. Of 2000 draws a mean
+/// of chi-square deviates by 0.08, and several times that where few draws have long tails, so that
+/// a unit is allowed: it is 6.8 and 6.6. Without the sets that lack one inlier the first is 7.4,
+/// with the noise found as by the spread of the target's pixels the second 7.1.
 TEST(ConsensusAccuracyOfPlanes, CovarianceOfFewInliersIsHonest) {
   for (const auto& [outliers, is_sigma_known] : {std::pair{4, true}, {2, false}}) {
     const Setting setting = {{8, outliers, true}, is_sigma_known, 2000};
