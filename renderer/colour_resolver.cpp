@@ -177,17 +177,18 @@ void ColourResolver::light_samples(const Group& group, const ColourShader& shade
 
 // Says in painted_ how the samples of a group look textures up.
 void ColourResolver::look_at_textures(const Paint& paint, float level, bool has_detail) {
-  // A sample is finer than its pixel.
+  // A sample is finer than its pixel. One level alone is read, the nearest: two neighbours' samples
+  // differ by a blur of a quarter of a pixel, of which their mean keeps nothing that is seen.
   const float sample_level = level - sample_levels_;
   painted_.base = nullptr;
   if (paint.base != nullptr) {
-    base_ = paint.base->lookup(paint.material.base_texture, sample_level);
+    base_ = paint.base->lookup(paint.material.base_texture, std::round(sample_level));
     painted_.base = &base_;
   }
   painted_.emission = nullptr;
   if (paint.emissive != nullptr) {
     emission_ = paint.emissive->lookup(paint.material.emissive_texture,
-                                       sample_level + paint.emissive_shift);
+                                       std::round(sample_level + paint.emissive_shift));
     painted_.emission = &emission_;
   }
   Eigen::Map<Eigen::Array4f>(painted_.emitted) = paint.emitted;
