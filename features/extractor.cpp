@@ -211,8 +211,7 @@ bool matches_edges_jointly(const PredictedView& view, const ExtractorOptions& op
 
 bool looks_for_model_edges(const FeaturePrediction& prediction, const ExtractorChoice& choice) {
   const auto extract = choice.of(prediction.kind).extract;
-  return prediction.kind == FeatureKind::kLineIntersection && prediction.is_in_front &&
-         !prediction.is_hidden &&
+  return prediction.kind == FeatureKind::kLineIntersection &&
          (extract == extract_model_edges || extract == extract_edges_else_contour);
 }
 
@@ -235,6 +234,7 @@ std::optional<PredictedView> jointly_matched(const std::vector<Channel>& channel
   for (const FeaturePrediction& prediction : view.features) {
     features.push_back(prediction.feature);
     if (!looks_for_model_edges(prediction, choice)) continue;
+    if (!prediction.is_in_front || prediction.is_hidden) continue;
     const Channel& channel = channel_of_contrast(channels, prediction, options);
     const cv::Rect window =
         window_around(prediction.pixel, options.window_half_px, channel.image.size());
@@ -303,14 +303,17 @@ std::vector<Observation> extract_features(const cv::Mat& image, double white,
   if (matches_edges_jointly(view, options)) {
     matched = jointly_matched(channels, view, choice, options);
   }
-  ExtractorOptions used = options;
-  used.is_gated = options.is_gated || matched.has_value();
-  const PredictedView& looked_at = matched ? *matched : view;
+  ExtractorOptions gated = options;
+  gated.is_gated = true;
   std::vector<Observation> observations;
-  for (const FeaturePrediction& prediction : looked_at.features) {
+  for (size_t i = 0; i < view.features.size(); ++i) {
+    // The other extractors see what they would see without: they are compared with each other.
+    const bool is_matched = matched && looks_for_model_edges(view.features[i], choice);
+    const PredictedView& looked_at = is_matched ? *matched : view;
+    const FeaturePrediction& prediction = looked_at.features[i];
     const Channel& channel = channel_of_contrast(channels, prediction, options);
     observations.push_back(observe(channel.image, looked_at, prediction, choice.of(prediction.kind),
-                                   used, channel.background_grey));
+                                   is_matched ? gated : options, channel.background_grey));
   }
   if (view.target != nullptr) drop_shared_lines(*view.target, observations);
   return observations;

@@ -142,9 +142,14 @@ class Trials {
   Registration result(const RegistrationTask& task, const EdgeFit& edges, const Registration& near,
                       const Support& support) const {
     Registration out = best_;
+    int supports = 0;
+    const auto counted_support = [&](const Pose& pose) {
+      ++supports;
+      return support(pose);
+    };
     const auto is_confirmed = [&](const Registration& fit) {
       return fit.is_ok() && is_surer(fit, edges) &&
-             is_confirmed_by(edges, fit.cam_from_target, support, task.prior);
+             is_confirmed_by(edges, fit.cam_from_target, counted_support, task.prior);
     };
     // Where both are confirmed the one that began there depends less on the prior.
     if (is_confirmed(near)) {
@@ -157,8 +162,8 @@ class Trials {
     if (!edges.is_believable()) {
       distrust("the image does not look like the model, nor has it an outline there", out);
     }
-    out.starts = starts_;
-    out.drawings = drawings_ + edges.drawings + 2;  // for the supports
+    out.starts = starts_ + 1;
+    out.drawings = drawings_ + near.drawings + edges.drawings + supports;
     return judged(out, task);
   }
 
@@ -235,11 +240,11 @@ Registration searched(const RegistrationTask& task, const GreyImage& image, Fitt
   }
   if (trials.is_best_alien()) {
     if (const auto edges = fit_edges(image, task.mesh, task.prior)) {
-      const bool is_printed = trials.is_best_printed();
+      const Trials before = trials;
       const Registration near =
           fitter.fit(fit_levels(image, true), edges->cam_from_target, kTightSd);
-      if (trials.take(near) && !is_printed) return trials.result(task);
-      return trials.result(task, *edges, near, [&](const Pose& pose) {
+      if (trials.take(near) && !before.is_best_printed()) return trials.result(task);
+      return before.result(task, *edges, near, [&](const Pose& pose) {
         return edge_support_at(image, task.mesh, pose);
       });
     }

@@ -149,7 +149,8 @@ class BasisDrawer::PixelSums {
     }
     facet.is_flat =
         of_mesh.normal[0] == of_mesh.normal[1] && of_mesh.normal[0] == of_mesh.normal[2];
-    if (facet.is_flat) facet.normals.colwise().normalize();
+    // A triangle without area has none.
+    if (facet.is_flat && !facet.normals.isZero(0)) facet.normals.colwise().normalize();
     for (int i = 0; i < 3; ++i) {
       facet.across.row(i) = facet.corners.col((i + 1) % 3).cross(facet.corners.col((i + 2) % 3));
     }

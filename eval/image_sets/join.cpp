@@ -3,7 +3,9 @@
 #include "eval/image_sets/join.h"
 
 #include <algorithm>
-#include <future>
+#include <atomic>
+#include <exception>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -56,18 +58,27 @@ std::vector<Json> read_truths(const fs::path& folder, const SetPlan& plan, int64
   const int64_t begin = chunk * plan.chunk;
   std::vector<std::optional<Json>> all(
       static_cast<size_t>(std::min(plan.count, begin + plan.chunk) - begin));
-  const auto readers = static_cast<size_t>(std::max(jobs, 1));
+  std::vector<std::exception_ptr> errors(all.size());
+  std::atomic<size_t> first_bad = all.size();  // nothing behind it is asked for any more
+  const size_t readers = std::clamp<size_t>(static_cast<size_t>(jobs), 1, all.size());
   const auto read_share = [&](size_t first) {
-    for (size_t i = first; i < all.size(); i += readers) {
-      all[i] = whole_truth(folder, plan, begin + static_cast<int64_t>(i));
+    for (size_t i = first; i < first_bad; i += readers) {
+      try {
+        all[i] = whole_truth(folder, plan, begin + static_cast<int64_t>(i));
+      } catch (...) {
+        errors[i] = std::current_exception();
+        for (size_t before = first_bad; i < before;) {
+          if (first_bad.compare_exchange_weak(before, i)) break;
+        }
+      }
     }
   };
-  std::vector<std::future<void>> others;
-  for (size_t i = 1; i < readers; ++i) {
-    others.push_back(std::async(std::launch::async, read_share, i));
+  {
+    std::vector<std::jthread> others;
+    for (size_t i = 1; i < readers; ++i) others.emplace_back(read_share, i);
+    read_share(0);
   }
-  read_share(0);
-  for (std::future<void>& other : others) other.get();
+  if (first_bad < all.size()) std::rethrow_exception(errors[first_bad]);
   std::vector<Json> truths;
   for (std::optional<Json>& truth : all) {
     if (truth) truths.push_back(std::move(*truth));

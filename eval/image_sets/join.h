@@ -14,8 +14,8 @@ namespace sightline {
 bool add_told_by_files(const std::filesystem::path& folder, const SetPlan& plan, Json& truth);
 
 /// Reads a chunk's truths in the order of the images, less those of images that could not be made,
-/// each with what its files tell, by so many threads. Throws InputError for one that cannot be
-/// read.
+/// each with what its files tell, by so many threads. Throws InputError for the first that
+/// cannot be read.
 std::vector<Json> read_truths(const std::filesystem::path& folder, const SetPlan& plan,
                               int64_t chunk, int jobs);
 

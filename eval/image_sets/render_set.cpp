@@ -55,16 +55,20 @@ std::string difference(const std::string& there, const std::string& asked) {
   const Json a = manifest_in(there);
   const Json b = Json::parse(asked);
   if (!a.is_object()) return "holds no manifest that can be read";
-  for (const auto& [key, value] : b.items()) {
+  const auto told = [&](const std::string& key) {
     const Json before = a.contains(key) ? a[key] : Json("nothing");
-    if (before != value) {
-      return fmt::format("was begun with {} {}, not {}", key, before.dump(), value.dump());
-    }
+    if (before == b.at(key)) return std::string();
+    return fmt::format("was begun with {} {}, not {}", key, before.dump(), b.at(key).dump());
+  };
+  const std::string kCount = "count";  // a larger one alone would be no difference
+  for (const auto& [key, value] : b.items()) {
+    if (const std::string text = told(key); key != kCount && !text.empty()) return text;
   }
   for (const auto& [key, value] : a.items()) {
     if (!b.contains(key)) return fmt::format("was begun with {} {}", key, value.dump());
   }
-  return "was begun with another manifest";
+  const std::string text = told(kCount);
+  return text.empty() ? "was begun with another manifest" : text;
 }
 
 // A folder that holds something, and no set, is somebody else's.

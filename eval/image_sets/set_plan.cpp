@@ -167,9 +167,14 @@ int object_id(const SetPlan& plan, const Target& target) {
 }
 
 bool shows_colours(const SetPlan& plan) {
-  const auto& setups = plan.images().setups;
-  return std::any_of(setups.begin(), setups.end(), [](const ImageSetup& setup) {
+  return std::ranges::any_of(plan.images().setups, [](const ImageSetup& setup) {
     return setup.scene.colouring.mode != ColourMode::kGrey;
+  });
+}
+
+bool shows_grey(const SetPlan& plan) {
+  return std::ranges::any_of(plan.images().setups, [](const ImageSetup& setup) {
+    return setup.scene.colouring.mode == ColourMode::kGrey;
   });
 }
 
@@ -186,6 +191,9 @@ SetPlan plan_set(const SetRequest& request) {
     if (is_one_of(name, possible)) continue;
     throw InputError(fmt::format("--also {}: the format {} has no place for it, but for {}", name,
                                  plan.format->name, fmt::join(possible, ", ")));
+  }
+  if (plan.extras.has_rgb_of_grey && !shows_grey(plan)) {
+    throw InputError("--also rgb: is of sets in grey; this one is in colour, and has rgb/ anyway");
   }
   if (!shows_colours(plan)) plan.extras = joined(plan.extras, plan.format->grey_extras);
   plan.gl = request.gl;

@@ -73,8 +73,9 @@ double finest_depth_scale(double far_m);
 /// The id of a target in the set, 0 of none of its objects.
 int object_id(const SetPlan& plan, const Target& target);
 
-/// Whether some of the set's pictures are in colour.
+/// Whether some of the set's pictures are in colour, or in grey.
 bool shows_colours(const SetPlan& plan);
+bool shows_grey(const SetPlan& plan);
 
 /// What is written down of a plan, sightline.json; equal for equal plans only.
 std::string manifest_of(const SetPlan& plan);

@@ -216,7 +216,19 @@ struct OwnSet {
   Matrix6d information;
 };
 
-/// From a step to its pose; none where that does not settle.
+// Whether all inliers of a set lie in front of the camera where the points were linearised: of one
+// that does not there is no residual.
+bool are_inliers_seen(const LinearCloud& linear, const Sorted& sorted, std::uint32_t outliers) {
+  for (const std::size_t i : sorted.certain) {
+    if (!linear.is_seen[i]) return false;
+  }
+  for (std::size_t k = 0; k < sorted.doubtful.size(); ++k) {
+    if ((outliers >> k & 1) == 0 && !linear.is_seen[sorted.doubtful[k]]) return false;
+  }
+  return true;
+}
+
+/// From a step to its pose; none where that does not settle, or an inlier is not in front there.
 std::optional<OwnSet> weigh_anew(const Cloud& cloud, const Mode& mode, const Sorted& sorted,
                                  const Pose& common, const Vector6d& step_to_it, double variance,
                                  std::uint32_t outliers) {
@@ -230,6 +242,7 @@ std::optional<OwnSet> weigh_anew(const Cloud& cloud, const Mode& mode, const Sor
     if (!std::isfinite(turn)) break;
     pose = retract(pose, std::min(1.0, kBeyondLinearRad / turn) * next);
     linearise(cloud, pose, own);
+    if (!are_inliers_seen(own, sorted, outliers)) break;
     const Sets at_own(cloud, mode, own, sorted, variance);
     std::optional<WeighedSet> set = at_own.weigh_one(outliers);
     if (!set) break;

@@ -23,7 +23,7 @@ isal_hufftables codes_for(std::span<const uint8_t> bytes) {
   isal_huff_histogram histogram = {};
   isal_update_histogram(const_cast<uint8_t*>(middle), static_cast<int>(count), &histogram);
   isal_hufftables codes;
-  isal_create_hufftables(&codes, &histogram);
+  if (isal_create_hufftables(&codes, &histogram) != 0) throw std::runtime_error("deflate failed");
   return codes;
 }
 

@@ -59,7 +59,7 @@ std::string png_bytes(const cv::Mat& picture, PngEffort effort = PngEffort::kFas
 std::string jpeg_bytes(const cv::Mat& picture, int quality = 95);
 
 /// How the pixels of a TIFF lie in it. Deflate packs what is empty for the most part, as depth is,
-/// to a few per cent; of a picture with noise it would take long for little.
+/// to a few per cent, and a picture with noise to a half.
 enum class TiffPacking { kNone, kDeflate };
 
 /// A picture of 8 or 16 bits or 32-bit floats, one channel, as TIFF. Throws std::runtime_error for

@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: 2026 The Sightline authors
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <csetjmp>
 #include <cstring>
 #include <stdexcept>
@@ -194,7 +195,7 @@ void append_chunk(std::string& out, std::string_view type, std::string_view data
   append_number(out, crc32(std::string_view(out).substr(begin)));
 }
 
-// libpng packs by zlib alone, so that the file's three chunks are written here.
+// libpng packs by zlib alone, so that the file's chunks are written here.
 std::string fast_png(const cv::Mat& picture) {
   std::string head;
   append_number(head, static_cast<uint32_t>(picture.cols));
@@ -205,11 +206,14 @@ std::string fast_png(const cv::Mat& picture) {
     head.push_back(static_cast<char>(byte));
   }
   const std::string packed = zlib_packed(unfiltered_rows(picture));
-  if (packed.size() > PNG_UINT_31_MAX) throw std::runtime_error("png_bytes: too large");
   std::string out = "\x89PNG\r\n\x1a\n";
   out.reserve(packed.size() + 64);
   append_chunk(out, "IHDR", head);
-  append_chunk(out, "IDAT", packed);
+  constexpr size_t kMostInChunk = size_t{1} << 30;  // the format's own limit is 2^31 - 1
+  for (std::string_view rest = packed; !rest.empty();) {
+    append_chunk(out, "IDAT", rest.substr(0, kMostInChunk));
+    rest.remove_prefix(std::min(rest.size(), kMostInChunk));
+  }
   append_chunk(out, "IEND", "");
   return out;
 }

@@ -161,9 +161,9 @@ void add_render(CLI::App& app, int& exit_code) {
       ->capture_default_str();
   sub->add_option(
          "--also", request.also,
-         "More pictures, by commas: itodd (BOP's gray/ and depth/ as .tif, which sets in grey have "
-         "anyway), tiff (BOP's gray/ as .tiff), rgb (of a set in grey), normals, nocs (object "
-         "coordinates)")
+         "More pictures, by commas: itodd (bop: gray/ and depth/ as .tif, which sets in grey have "
+         "anyway), tiff (bop: gray/ as .tiff; bop_imagewise: .gray.tiff, which sets in grey have "
+         "anyway), rgb (of either in grey), normals, nocs (object coordinates)")
       ->delimiter(',')
       ->check(CLI::IsMember(extra_names()));
   sub->add_option("--depth-scale", request.depth_scale,

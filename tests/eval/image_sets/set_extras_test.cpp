@@ -3,6 +3,10 @@
 //
 // What a set has on request, sets that grow, and pictures that are not those that were rendered.
 #include <cmath>
+#include <fstream>
+#include <map>
+#include <string>
+#include <vector>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -18,6 +22,7 @@
 namespace sightline {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 // Of the cube whose edges are 1 m long, a step of the coordinates' pictures: its diagonal in 16
@@ -135,6 +140,22 @@ TEST_F(ImageSet, InColourHasTiffWhereAskedForAndItsJpegAsItIs) {
 }
 
 TEST_F(ImageSet, HasNothingThatIsNotAskedFor) {
+  ASSERT_EQ(render("grey", "--count 1").exit_code, 0);
+  std::vector<std::string> files;
+  for (const auto& [file, bytes] : tree("grey")) {
+    if (!file.starts_with("models")) files.push_back(file);
+  }
+  EXPECT_THAT(
+      files,
+      ElementsAre("camera.json", "dataset_info.md", "scene.toml", "sightline.json",
+                  "sightline/000000/000000.json", "sightline/000000/000000_depth.tiff",
+                  "sightline/000000/000000_parts.png", "test/000000/depth/000000.png",
+                  "test/000000/depth/000000.tif", "test/000000/gray/000000.png",
+                  "test/000000/gray/000000.tif", "test/000000/mask/000000_000000.png",
+                  "test/000000/mask_visib/000000_000000.png", "test/000000/scene_camera.json",
+                  "test/000000/scene_gt.json", "test/000000/scene_gt_coco_keypoints.json",
+                  "test/000000/scene_gt_info.json", "test_targets_bop19.json"));
+  EXPECT_EQ(read("grey/sightline.json")["also"], nlohmann::json({"itodd"}));
   ASSERT_EQ(render("plain", "--count 1 --truth minimal --format speed").exit_code, 0);
   EXPECT_FALSE(read("plain/sightline.json").contains("also"));
   EXPECT_THAT(
@@ -145,7 +166,23 @@ TEST_F(ImageSet, HasNothingThatIsNotAskedFor) {
   EXPECT_THAT(
       refused.output,
       HasSubstr("--also tiff: the format speed has no place for it, but for normals, nocs"));
+  EXPECT_THAT(render("colour", "--count 1 --also rgb --set image.colour=rgb").output,
+              HasSubstr("--also rgb: is of sets in grey"));
   EXPECT_EQ(render("other", "--count 1 --also depth").exit_code, 2);
+}
+
+// Whoever reads it, and however many read with it.
+TEST_F(ImageSet, NamesTheFirstTruthThatCannotBeRead) {
+  ASSERT_EQ(render("set", "--count 8 --shard 0/2").exit_code, 0);
+  ASSERT_EQ(render("set", "--count 8 --shard 1/2").exit_code, 0);
+  for (const int torn : {2, 5, 7}) {
+    std::ofstream(path(fmt::format("set/sightline/000000/{:06}.json", torn))) << "{";
+  }
+  for (const int jobs : {1, 2, 3, 9}) {
+    const Outcome refused = render("set", fmt::format("--count 8 --resume --jobs {}", jobs));
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_THAT(refused.output, HasSubstr("000002.json: cannot be read as a truth"));
+  }
 }
 
 TEST_F(ImageSet, GrowsToTheSetThatItWouldHaveBeen) {

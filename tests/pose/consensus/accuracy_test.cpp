@@ -55,8 +55,7 @@ struct Tally {
     oracle_squares += squared_distance_from_truth(oracle.cam_from_target, s, sigma_px);
     if (!estimate.covariance) return;
     const Vector6d error = change_between(s.cam_from_target, estimate.cam_from_target);
-    const double square = error.dot(estimate.covariance->ldlt().solve(error));
-    nees += square;
+    nees += error.dot(estimate.covariance->ldlt().solve(error));
   }
 };
 

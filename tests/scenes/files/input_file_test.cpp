@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include "scenes/files/checksum.h"
 #include "scenes/files/pauses.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/packed_file.h"
@@ -21,6 +22,12 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 constexpr uintmax_t kMiB = uintmax_t{1} << 20;
+
+// The check value of the catalogues of CRCs.
+TEST(Checksum, IsZlibs) {
+  EXPECT_EQ(crc32_text("123456789"), "cbf43926");
+  EXPECT_EQ(crc32_text(""), "00000000");
+}
 
 TEST(InputFiles, ThatGzipPackedAreReadAsTheOthersWhateverTheirNames) {
   const TemporaryFolder folder;
