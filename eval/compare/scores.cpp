@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 
@@ -24,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using TargetId = std::array<int, 4>;
+using TargetId = std::array<int64_t, 4>;
 using Targets = std::map<TargetId, const TargetRow*>;
 
 // One of the two that are compared.

@@ -209,7 +209,7 @@ Symmetries symmetries_of_target(const Symmetries& of_model_mm,
 
 }  // namespace
 
-bool has_picture(std::span<const Sighting> sightings, int scene_id, int im_id) {
+bool has_picture(std::span<const Sighting> sightings, int scene_id, int64_t im_id) {
   const auto of_scene = std::find_if(sightings.begin(), sightings.end(),
                                      [=](const Sighting& s) { return s.scene_id == scene_id; });
   if (of_scene == sightings.end()) return false;
@@ -239,7 +239,7 @@ Pose pose_in_metres(const BopEstimate& estimate, const Eigen::Matrix3d& target_f
 
 std::vector<int> sightings_of(std::span<const PlaceInImage> estimates,
                               std::span<const double> scores, std::span<const Sighting> sightings) {
-  std::map<std::pair<int, int>, std::vector<size_t>> in_image;
+  std::map<std::pair<int, int64_t>, std::vector<size_t>> in_image;
   for (size_t i = 0; i < sightings.size(); ++i) {
     in_image[{sightings[i].scene_id, sightings[i].im_id}].push_back(i);
   }
@@ -248,7 +248,7 @@ std::vector<int> sightings_of(std::span<const PlaceInImage> estimates,
   std::stable_sort(order.begin(), order.end(),
                    [&](size_t a, size_t b) { return scores[a] > scores[b]; });
   std::vector<int> chosen(estimates.size(), -1);
-  std::map<std::pair<int, int>, std::vector<size_t>> without_position;
+  std::map<std::pair<int, int64_t>, std::vector<size_t>> without_position;
   for (const size_t estimate : order) {
     const std::pair image{estimates[estimate].scene_id, estimates[estimate].im_id};
     std::vector<size_t>& free = in_image[image];

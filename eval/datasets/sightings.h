@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -29,7 +30,7 @@ struct Sighting {
   // As BOP numbers them. In SPEED+ the scene and the instance are 0 and an image's id is its place
   // in the list.
   int scene_id = 0;
-  int im_id = 0;
+  int64_t im_id = 0;
   int gt_id = 0;  ///< place of the instance in its image's truth
   Camera camera;  ///< its size is that of the set's first picture
   Pose cam_from_target;
@@ -82,7 +83,7 @@ SightedSet read_sightings(const SightingSource& source,
 
 /// Whether the set has such a picture, though it may show no sighting: looked for among the files
 /// beside those of the scene's sightings.
-bool has_picture(std::span<const Sighting> sightings, int scene_id, int im_id);
+bool has_picture(std::span<const Sighting> sightings, int scene_id, int64_t im_id);
 
 /// The pose of an estimate, which is in the set's frame of the model, as one of the target. One
 /// that is no estimate has no finite translation.
@@ -92,7 +93,7 @@ Pose pose_in_metres(const BopEstimate& estimate, const Eigen::Matrix3d& target_f
 /// not finite of an estimate that is none.
 struct PlaceInImage {
   int scene_id = 0;
-  int im_id = 0;
+  int64_t im_id = 0;
   Eigen::Vector3d position_m = Eigen::Vector3d::Zero();
 };
 

@@ -99,10 +99,10 @@ PictureName picture_of(int64_t image_id, const ShownPictures& pictures, size_t p
                             "must name annotations that say it",
                             image_id, scenes.size()));
   }
-  if (image_id < 0 || image_id > std::numeric_limits<int>::max()) {
+  if (image_id < 0) {
     fail(place, fmt::format("has image_id {}, must be a whole number from 0", image_id));
   }
-  const PictureName picture{scenes.empty() ? 0 : scenes.front(), static_cast<int>(image_id)};
+  const PictureName picture{scenes.empty() ? 0 : scenes.front(), image_id};
   const std::string why_not = pictures.why_not(picture);
   if (!why_not.empty()) fail(place, why_not);
   return picture;

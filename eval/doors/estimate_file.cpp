@@ -37,7 +37,7 @@ struct GivenEstimate {
 };
 
 // Which trial an estimate is of: its number in files of our own, otherwise its picture.
-using TrialKey = std::tuple<int64_t, int, int>;
+using TrialKey = std::tuple<int64_t, int64_t, int>;
 using GivenEstimates = std::map<TrialKey, GivenEstimate>;
 
 TrialKey key_of_picture(const TrialName& trial) {

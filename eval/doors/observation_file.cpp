@@ -64,7 +64,7 @@ int feature_of(const CsvReader& csv, const Target& target) {
 
 // The instance that a row is of; null where its picture does not show the target.
 const ShownTarget* shown_by(const CsvReader& csv, const ShownPictures& pictures) {
-  const PictureName picture{csv.integer("scene_id"), csv.integer("im_id")};
+  const PictureName picture{csv.integer("scene_id"), csv.wide_integer("im_id")};
   if (picture.scene_id < 0 || picture.im_id < 0) return nullptr;  // of no picture
   const std::string why_not = pictures.why_not(picture);
   if (!why_not.empty()) csv.fail(why_not);

@@ -5,6 +5,7 @@
 // which keypoint networks write.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -51,7 +52,7 @@ struct GivenObservation {
 using GivenFeatures = std::map<int, GivenObservation>;
 
 /// What a file says of the pictures of a study, by scene, image and instance.
-using GivenObservations = std::map<std::tuple<int, int, int>, GivenFeatures>;
+using GivenObservations = std::map<std::tuple<int, int64_t, int>, GivenFeatures>;
 
 /// Reads a file of observations. CSV: scene_id,im_id[,gt_id],feature,u,v[,sigma |
 /// ,var_uu,var_uv,var_vv][,confidence], a row a feature that was found; gt_id may be left out where

@@ -13,14 +13,14 @@ namespace sightline {
 struct TrialName {
   int64_t trial = 0;
   int scene_id = 0;
-  int im_id = 0;
+  int64_t im_id = 0;
   int gt_id = 0;
 };
 
 /// A picture alone, whatever trials show it.
 struct PictureName {
   int scene_id = 0;
-  int im_id = 0;
+  int64_t im_id = 0;
 
   auto operator<=>(const PictureName&) const = default;
 };

@@ -3,9 +3,12 @@
 #include "eval/output/csv_reader.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -68,12 +71,26 @@ std::optional<double> finite_number(std::string_view text) {
   return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
-// Of "+3" and "3.0" as well, as others write what is whole.
-std::optional<int> whole_number_of(std::string_view text) {
+// Of "+3" and "3.0" as well, as others write what is whole. What is not written as digits alone
+// has no more of them than a double tells.
+std::optional<int64_t> wide_number_of(std::string_view text) {
+  constexpr double kExact = 0x1p53;  // below it a double is one whole number and no other
+  std::string_view digits = text;
+  if (digits.starts_with('+') && !digits.starts_with("+-")) digits.remove_prefix(1);
+  int64_t whole = 0;
+  const char* const end = digits.data() + digits.size();
+  const auto [rest, error] = std::from_chars(digits.data(), end, whole);
+  if (error == std::errc() && rest == end) return whole;
   const auto value = finite_number(text);
-  const bool is_whole =
-      value && *value == std::trunc(*value) && std::abs(*value) <= std::numeric_limits<int>::max();
-  return is_whole ? std::optional(static_cast<int>(*value)) : std::nullopt;
+  const bool is_whole = value && *value == std::trunc(*value) && std::abs(*value) < kExact;
+  return is_whole ? std::optional(static_cast<int64_t>(*value)) : std::nullopt;
+}
+
+std::optional<int> whole_number_of(std::string_view text) {
+  constexpr int kMost = std::numeric_limits<int>::max();
+  const auto value = wide_number_of(text);
+  const bool is_held = value && *value <= kMost && *value >= -kMost;
+  return is_held ? std::optional(static_cast<int>(*value)) : std::nullopt;
 }
 
 std::vector<std::string_view> words_of(std::string_view text) {
@@ -167,6 +184,21 @@ int CsvReader::integer(std::string_view column) const {
   const auto value = whole_number_of(text(column));
   if (value) return *value;
   fail(fmt::format("has {} '{}', must be a whole number", column, text(column)));
+}
+
+int64_t CsvReader::wide_whole(std::string_view column) const {
+  const auto value = wide_number_of(text(column));
+  if (value && *value >= 0) return *value;
+  fail(fmt::format("has {} '{}', must be a whole number from 0", column, text(column)));
+}
+
+int64_t CsvReader::wide_integer(std::string_view column) const {
+  const auto value = wide_number_of(text(column));
+  if (value) return *value;
+  const auto number = finite_number(text(column));
+  const bool is_whole = number && *number == std::trunc(*number);
+  fail(fmt::format("has {} '{}', must be a whole number{}", column, text(column),
+                   is_whole ? " below 2^63 in all its digits" : ""));
 }
 
 double CsvReader::number_or(std::string_view column, double if_empty) const {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <istream>
 #include <memory>
@@ -37,8 +38,11 @@ class CsvReader {
   // Fields of the row, by the name of their column, which must be there.
   std::string_view text(std::string_view column) const;
   bool is_empty(std::string_view column) const { return text(column).empty(); }
-  int whole(std::string_view column) const;                             ///< 0 or greater
-  int integer(std::string_view column) const;                           ///< of any sign
+  int whole(std::string_view column) const;    ///< 0 or greater
+  int integer(std::string_view column) const;  ///< of any sign
+  // The same of what 64 bits hold; from 2^53 on it must stand there in all its digits.
+  int64_t wide_whole(std::string_view column) const;
+  int64_t wide_integer(std::string_view column) const;
   double number(std::string_view column, Interval allowed = {}) const;  ///< finite
   /// Any number, nan and infinities among them, or what is said of an empty field.
   double number_or(std::string_view column, double if_empty) const;

@@ -77,6 +77,14 @@ void append_numbers(const Json& json, const std::string& key, std::vector<double
   throw InputError(fmt::format("{} is {}, must be {}", key, given, kind));
 }
 
+// 3.0 is whole as well, as Python takes it.
+double whole_double(const std::string& key, const Json& value) {
+  const double number =
+      value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
+  if (number != std::trunc(number)) fail_as_no("a whole number", key, value);
+  return number;
+}
+
 std::vector<double> numbers_of(const Json& array, const std::string& what, size_t count) {
   if (!array.is_array()) fail_as_no("a list of numbers", what, array);
   std::vector<double> numbers;
@@ -175,12 +183,24 @@ const Json& value_in(const Json& json, const std::string& key) {
 int whole_in(const Json& json, const std::string& key) {
   const Json& value = value_in(json, key);
   constexpr int kMost = std::numeric_limits<int>::max();
-  // 3.0 is whole as well, as Python takes it.
-  const double number =
-      value.is_number() ? value.get<double>() : std::numeric_limits<double>::quiet_NaN();
-  if (number != std::trunc(number)) fail_as_no("a whole number", key, value);
+  const double number = whole_double(key, value);
   if (std::abs(number) > kMost) fail_as_no("a whole number below 2^31", key, value);
   return static_cast<int>(number);
+}
+
+int64_t wide_whole_in(const Json& json, const std::string& key) {
+  const Json& value = value_in(json, key);
+  constexpr double kExact = 0x1p53;  // below it a double is one whole number and no other
+  constexpr double kTooLarge = 0x1p63;
+  constexpr uint64_t kMost = std::numeric_limits<int64_t>::max();
+  const double number = whole_double(key, value);
+  const bool is_held = value.is_number_unsigned()
+                           ? value.get<uint64_t>() <= kMost
+                           : value.is_number_integer() || std::abs(number) < kTooLarge;
+  if (!is_held) fail_as_no("a whole number below 2^63", key, value);
+  if (value.is_number_integer()) return value.get<int64_t>();
+  if (std::abs(number) >= kExact) fail_as_no("a whole number in all its digits", key, value);
+  return static_cast<int64_t>(number);
 }
 
 double number_in(const Json& json, const std::string& key) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <span>
@@ -51,6 +52,8 @@ std::string first_key_in(const Json& json, std::span<const char* const> keys);
 const Json& value_in(const Json& json, const std::string& key);
 /// A whole number that an int holds.
 int whole_in(const Json& json, const std::string& key);
+/// One that an int64_t holds; from 2^53 on it must stand there in all its digits, not as 1.7e18.
+int64_t wide_whole_in(const Json& json, const std::string& key);
 /// A finite number.
 double number_in(const Json& json, const std::string& key);
 std::string text_in(const Json& json, const std::string& key);

@@ -296,7 +296,7 @@ bool is_add_s_good(const BopTarget& target) {
 
 BopScores score_bop(const BopDataset& dataset, std::span<const BopEstimate> estimates,
                     double vsd_delta_mm, const std::function<void()>& tick) {
-  std::map<std::tuple<int, int, int>, std::vector<size_t>> by_object;
+  std::map<std::tuple<int, int64_t, int>, std::vector<size_t>> by_object;
   for (size_t i = 0; i < estimates.size(); ++i) {
     const BopEstimate& e = estimates[i];
     by_object[{e.scene_id, e.im_id, e.obj_id}].push_back(i);

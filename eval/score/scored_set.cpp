@@ -79,7 +79,7 @@ ScoredSet read_speed(const SetReader& reader, const SightingSource& source) {
          .cam_from_model = {pose.rotation, kMillimetresPerMetre * pose.translation},
          .has_pose = sighting.problem != EstimateOutcome::kNoTruth});
     image.targets[kObject] = 1;
-    set.im_id_of_picture.add(sighting.picture, sighting.im_id);
+    set.im_id_of_picture.add(sighting.picture, static_cast<int>(sighting.im_id));
     if (pictures.insert(sighting.picture.lexically_normal()).second) continue;
     throw InputError(
         fmt::format("{}: is listed twice, so that nobody knows which pose an estimate is of",

@@ -34,7 +34,8 @@ bool is_error(const std::string& name) {
 TargetRow row_of(const CsvReader& csv, const std::vector<std::string>& names) {
   TargetRow row;
   row.method = csv.text("method");
-  row.id = {csv.whole("scene_id"), csv.whole("im_id"), csv.whole("obj_id"), csv.whole("gt_id")};
+  row.id = {csv.whole("scene_id"), csv.wide_whole("im_id"), csv.whole("obj_id"),
+            csv.whole("gt_id")};
   row.true_t_mm = {csv.number("true_tx_mm"), csv.number("true_ty_mm"), csv.number("true_tz_mm")};
   row.is_estimated = csv.whole("estimated") != 0;
   for (const std::string& name : names) {

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <iosfwd>
 #include <span>
@@ -28,7 +29,7 @@ struct MethodScores {
 
 struct TargetRow {
   std::string method;
-  std::array<int, 4> id{};  ///< scene_id, im_id, obj_id, gt_id
+  std::array<int64_t, 4> id{};  ///< scene_id, im_id, obj_id, gt_id
   Eigen::Vector3d true_t_mm = Eigen::Vector3d::Zero();
   bool is_estimated = false;
   std::vector<double> numbers;  ///< as TargetNumber::of has them

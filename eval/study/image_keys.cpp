@@ -95,8 +95,7 @@ ShownPictures pictures_of(const ImageStudy& study, const SceneLaw& law, const St
   const int64_t poses = std::max<int64_t>(1, static_cast<int64_t>(law.poses.t_m.size()));
   for (int64_t draw = 0; draw < std::min(common.draws * poses, kMostPictures); ++draw) {
     const DrawnScene drawn = draw_scene(law, static_cast<int>(draw % poses), common.seed, draw);
-    shown.push_back(
-        {{0, static_cast<int>(draw)}, 0, "", drawn.scene.camera, drawn.scene.cam_from_target});
+    shown.push_back({{0, draw}, 0, "", drawn.scene.camera, drawn.scene.cam_from_target});
   }
   return {*study.target, std::move(shown),
           [](PictureName picture) { return picture.scene_id == 0; }};

@@ -52,7 +52,7 @@ const Sighting& ImageStudy::sighting_of(int64_t trial) const {
 }
 
 TrialName ImageStudy::name_of(int64_t trial) const {
-  if (!sighted) return {.trial = trial, .im_id = static_cast<int>(draw_of(trial))};
+  if (!sighted) return {.trial = trial, .im_id = draw_of(trial)};
   const Sighting& sighting = sighting_of(trial);
   return {trial, sighting.scene_id, sighting.im_id, sighting.gt_id};
 }

@@ -210,9 +210,7 @@ struct NumericStudy : PoseStudy {
   const NumericSetup& setup_of(int condition) const { return setups[cells[condition].setup]; }
 
   /// A trial as files of others name it: the image is the trial's number.
-  static TrialName name_of(int64_t trial) {
-    return {.trial = trial, .im_id = static_cast<int>(trial)};
-  }
+  static TrialName name_of(int64_t trial) { return {.trial = trial, .im_id = trial}; }
 };
 
 /// What an orientation study draws: points uniform in a cube about the origin, three uniform Euler

@@ -4,6 +4,7 @@
 // An image of a set in BOP's formats, and where its pictures are.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -35,7 +36,7 @@ struct BopImage {
   std::string sensor{};
   std::string key{};  ///< in the imagewise format: what the image's files begin with; else empty
   int scene_id = 0;
-  int im_id = 0;
+  int64_t im_id = 0;
   int width_px = 0;   ///< of the picture; of read_bop_dataset alone
   int height_px = 0;  ///< likewise; 0: not known
   Eigen::Matrix3d k = Eigen::Matrix3d::Identity();

@@ -31,7 +31,7 @@ class MaskRuns {
   cv::Mat mask(int gt_id) const;
 
  private:
-  std::map<int, RunLengths> masks_;
+  std::map<int64_t, RunLengths> masks_;
 };
 
 }  // namespace sightline

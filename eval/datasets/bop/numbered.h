@@ -6,6 +6,7 @@
 // "000001" for "1", and four digits for six, which BOP's own toolkit reads as well.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -16,11 +17,12 @@
 
 namespace sightline {
 
-/// The number that a text is; none where it is no whole number, below 0, or one that no int holds.
-std::optional<int> number_of(const std::string& text);
+/// The number that a text is; none where it is no whole number, below 0, or 2^63 and more: images
+/// may be numbered by the time in nanoseconds.
+std::optional<int64_t> number_of(const std::string& text);
 
-/// The same. Throws InputError for what is none, or below 0.
-int whole_number(const std::string& text);
+/// The same of a scene, whose number an int holds.
+std::optional<int> scene_number_of(const std::string& text);
 
 /// The entries of an object whose keys are numbers, however many zeros stand before them. They are
 /// as long there as the object. Throws InputError for a key that is no number.
@@ -29,17 +31,17 @@ class NumberedEntries {
   explicit NumberedEntries(const Json& object);
 
   /// Null where there is none.
-  const Json* find(int number) const;
-  const std::map<int, const Json*>& all() const { return entries_; }
+  const Json* find(int64_t number) const;
+  const std::map<int64_t, const Json*>& all() const { return entries_; }
 
  private:
-  std::map<int, const Json*> entries_;
+  std::map<int64_t, const Json*> entries_;
 };
 
 /// The picture in a folder whose name is the numbers with underscores between them, whatever its
 /// format, in capitals or not, and how many digits the numbers have; empty where there is none.
 std::filesystem::path numbered_picture(const std::filesystem::path& folder,
-                                       const std::vector<int>& numbers);
+                                       const std::vector<int64_t>& numbers);
 
 /// The picture in a folder of that name, whatever its format; empty where there is none.
 std::filesystem::path picture_named(const std::filesystem::path& folder, const std::string& name);

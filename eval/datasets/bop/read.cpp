@@ -72,7 +72,7 @@ fs::path split_folder(const fs::path& folder, const std::string& split) {
   throw InputError(fmt::format("{}: is no folder{}", named.string(), advice_on_split(folder)));
 }
 
-using ImageId = std::pair<int, int>;  // scene, image
+using ImageId = std::pair<int, int64_t>;  // scene, image
 // How many instances of an object an image asks for, 0 as well; no objects: all that are visible.
 using Targets = std::map<ImageId, std::map<int, int>>;
 
@@ -88,7 +88,7 @@ Targets read_targets(const fs::path& file) {
   with_json(file, [&](const Json& list) {
     if (!list.is_array()) throw InputError("must be a list of targets");
     for (const Json& target : list) {
-      auto& objects = targets[{whole_in(target, "scene_id"), whole_in(target, "im_id")}];
+      auto& objects = targets[{whole_in(target, "scene_id"), wide_whole_in(target, "im_id")}];
       if (!target.contains("obj_id")) continue;
       const int count = target.contains("inst_count") ? whole_in(target, "inst_count") : 1;
       if (count < 0) throw InputError("inst_count must be 0 or more");
@@ -230,7 +230,7 @@ void require_all_asked(const TargetList& list, const std::vector<BopImage>& imag
 // The images of a split, those on the list where there is one, without targets.
 std::vector<BopImage> images_of(const fs::path& split, const std::string& sensor,
                                 const TargetList& list, std::vector<std::string>& notes) {
-  const auto is_asked = [&list](int scene_id, int im_id) {
+  const auto is_asked = [&list](int scene_id, int64_t im_id) {
     return !list.is_there() || list.targets.contains({scene_id, im_id});
   };
   if (is_imagewise(split)) {

@@ -77,7 +77,7 @@ std::string problem_of(const BopEstimate& estimate) {
 BopEstimate estimate_of(const CsvReader& csv) {
   BopEstimate estimate;
   estimate.scene_id = csv.integer("scene_id");
-  estimate.im_id = csv.integer("im_id");
+  estimate.im_id = csv.wide_integer("im_id");
   estimate.obj_id = csv.integer("obj_id");
   estimate.score = csv.number_or("score", kNaN);
   estimate.time_s = csv.number_or("time", kNaN);

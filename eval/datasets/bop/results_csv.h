@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -18,7 +19,7 @@ namespace sightline {
 /// What a method says of one object in one image.
 struct BopEstimate {
   int scene_id = 0;
-  int im_id = 0;
+  int64_t im_id = 0;
   int obj_id = 0;
   double score = 0;
   Pose cam_from_model;  ///< mm; its rotation as usable_rotation has it

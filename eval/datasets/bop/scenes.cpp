@@ -36,15 +36,17 @@ BopImage image_of_key(const fs::path& folder, const std::string& key) {
   BopImage image;
   image.folder = folder;
   image.key = key;
-  try {
-    const size_t line = key.find('_');
-    if (line != std::string::npos) image.scene_id = whole_number(key.substr(0, line));
-    image.im_id = whole_number(line == std::string::npos ? key : key.substr(line + 1));
-  } catch (const InputError&) {
+  const size_t line = key.find('_');
+  const bool has_scene = line != std::string::npos;
+  const auto scene_id = has_scene ? scene_number_of(key.substr(0, line)) : std::optional(0);
+  const auto im_id = number_of(has_scene ? key.substr(line + 1) : key);
+  if (!scene_id || !im_id) {
     throw InputError(
         fmt::format("{}: its name must begin with the numbers of scene and image, as 000001_000017",
                     (folder / key).string() + std::string(bop::kImageTruthFile)));
   }
+  image.scene_id = *scene_id;
+  image.im_id = *im_id;
   return image;
 }
 
@@ -107,7 +109,7 @@ class SceneReader {
         scene_id_(scene_id),
         is_asked_(is_asked) {}
 
-  std::map<int, BopImage> read() {
+  std::map<int64_t, BopImage> read() {
     with_json(file(bop::kSceneTruthFile), [this](const Json& json) { add_truth(json); });
     with_json(file(bop::kSceneCameraFile), [this](const Json& json) { add_cameras(json); });
     if (fs::exists(file(bop::kSceneInfoFile))) {
@@ -162,7 +164,7 @@ class SceneReader {
   std::string sensor_;
   int scene_id_;
   const AskedImages& is_asked_;
-  std::map<int, BopImage> images_;
+  std::map<int64_t, BopImage> images_;
 };
 
 // A line on what of the scene is not read.
@@ -196,7 +198,7 @@ bool is_imagewise(const fs::path& folder) {
 }
 
 std::vector<BopImage> read_imagewise(const fs::path& folder, const AskedImages& is_asked) {
-  std::map<std::pair<int, int>, BopImage> images;
+  std::map<std::pair<int, int64_t>, BopImage> images;
   for (const auto& entry : fs::directory_iterator(folder)) {
     const std::string key = key_of(entry.path());
     if (key.empty()) continue;
@@ -230,7 +232,7 @@ std::vector<int> scenes_in(const fs::path& split, std::vector<std::string>& note
   for (const auto& entry : fs::directory_iterator(split)) {
     if (sensors_of(entry.path()).empty()) continue;
     const std::string name = entry.path().filename().string();
-    if (const auto scene_id = number_of(name)) {
+    if (const auto scene_id = scene_number_of(name)) {
       scenes.insert(*scene_id);
     } else {
       others.insert(name);

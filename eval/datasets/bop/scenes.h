@@ -5,6 +5,7 @@
 // and the imagewise one as some files an image, side by side.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -15,7 +16,7 @@
 namespace sightline {
 
 /// Whether an image is asked for.
-using AskedImages = std::function<bool(int scene_id, int im_id)>;
+using AskedImages = std::function<bool(int scene_id, int64_t im_id)>;
 
 /// Whether a folder has images in the imagewise format.
 bool is_imagewise(const std::filesystem::path& folder);

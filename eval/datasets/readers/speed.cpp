@@ -217,7 +217,7 @@ SetReading read_speed_sightings(const SightingSource& source) {
     for (const Json& entry : entries) {
       Sighting& sighting = reading.sightings.emplace_back();
       sighting.picture = picture_file(list, text_in(entry, speed::kPicture));
-      sighting.im_id = static_cast<int>(reading.sightings.size()) - 1;
+      sighting.im_id = static_cast<int64_t>(reading.sightings.size()) - 1;
       sighting.camera = camera;
       const std::optional<Pose> pose = stated_pose(entry);
       if (!fs::is_regular_file(sighting.picture)) {
