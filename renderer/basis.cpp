@@ -12,6 +12,7 @@
 
 #include "renderer/placed_body.h"
 #include "renderer/screen.h"
+#include "renderer/shading.h"
 
 namespace sightline {
 namespace {
@@ -62,7 +63,8 @@ class BasisDrawer::PixelSums {
       const Seen& seen = seen_[static_cast<size_t>(i)];
       const Facet& facet = facet_of(seen.id - 1);
       const Eigen::Vector2d offset(pattern_.x[seen.sample], pattern_.y[seen.sample]);
-      const Hit hit = hit_on(facet, (centre + per_pixel * offset).homogeneous());
+      const SurfacePoint hit =
+          surface_point(facet.triangle, facet.across * (centre + per_pixel * offset).homogeneous());
       const double part = seen.samples * facet.albedo;
       covered += seen.samples;
       albedo += part;
@@ -100,11 +102,6 @@ class BasisDrawer::PixelSums {
   };
 
   // Where a ray meets a triangle: weights of its corners, and from which side.
-  struct Hit {
-    Eigen::Vector3d weights;
-    bool is_front = true;
-  };
-
   void count(const uint32_t* ids) {
     const uint32_t first = ids[0];
     uint32_t differs = 0;
@@ -157,23 +154,9 @@ class BasisDrawer::PixelSums {
     return facet;
   }
 
-  // The ray's place on the triangle's plane, moved into the triangle if it misses.
-  static Hit hit_on(const Facet& facet, const Eigen::Vector3d& ray) {
-    Eigen::Vector3d volumes = facet.across * ray;
-    Hit hit;
-    // Their sum is the winding normal along the ray.
-    hit.is_front = volumes.sum() < 0;
-    if (hit.is_front) volumes = -volumes;
-    volumes = volumes.cwiseMax(0);
-    const double sum = volumes.sum();
-    // Seen exactly edge-on there is nothing to divide by.
-    hit.weights = sum > 0 ? Eigen::Vector3d(volumes / sum) : Eigen::Vector3d::Constant(1.0 / 3);
-    return hit;
-  }
-
   // The unit shading normal in the camera; zero where it is turned away from the light. The inside
   // of an open mesh is lit as a sheet of paper is, as the renderer does.
-  Eigen::Vector3d lit_normal(const Facet& facet, const Hit& hit) const {
+  Eigen::Vector3d lit_normal(const Facet& facet, const SurfacePoint& hit) const {
     Eigen::Vector3d normal = facet.normals.col(0);
     if (!facet.is_flat) normal = facet.normals * hit.weights;
     if (!hit.is_front) normal = -normal;

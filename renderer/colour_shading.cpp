@@ -191,17 +191,11 @@ SurfacePlane ColourShader::plane_of(int triangle) const {
 
 SurfaceHit ColourShader::hit(const SurfacePlane& plane, int triangle,
                              const Eigen::Vector3d& ray) const {
-  SurfaceHit hit;
-  hit.triangle = triangle;
-  hit.ray = body_from_cam_ * ray;
-  Eigen::Vector3d volumes = plane.volumes * ray;
-  hit.is_front = volumes.sum() < 0;
-  if (hit.is_front) volumes = -volumes;
-  volumes = volumes.cwiseMax(0);
-  const double sum = volumes.sum();
-  // Seen exactly edge-on there is nothing to divide by.
-  hit.weights = sum > 0 ? Eigen::Vector3d(volumes / sum) : Eigen::Vector3d::Constant(1.0 / 3);
-  return hit;
+  const SurfacePoint point = surface_point(triangle, plane.volumes * ray);
+  return {.triangle = triangle,
+          .weights = point.weights,
+          .ray = body_from_cam_ * ray,
+          .is_front = point.is_front};
 }
 
 void ColourShader::find_colours() {

@@ -54,10 +54,9 @@ struct FrameTruth {
 
 /// An image and its truth, pixel by pixel.
 struct Frame {
-  cv::Mat image;   ///< CV_8U, or CV_16U for more than 8 bits; of a colour picture its grey
-  cv::Mat colour;  ///< of a scene in colour, as stored: blue, green, red; else empty
-  std::string
-      colour_jpeg;   ///< the file that `colour` was read from, of a sensor with JPEG; else empty
+  cv::Mat image;            ///< CV_8U, or CV_16U for more than 8 bits; of a colour picture its grey
+  cv::Mat colour;           ///< of a scene in colour, as stored: blue, green, red; else empty
+  std::string colour_jpeg;  ///< of a sensor with JPEG the file that holds `colour`; else empty
   cv::Mat depth_m;   ///< CV_64F: z of what the pixel's centre sees; 0 where that is background
   cv::Mat part_ids;  ///< CV_16U: index of the part in its body's mesh plus one; 0 is background
   cv::Mat body_ids;  ///< CV_8U: index of the body plus one; 0 is background

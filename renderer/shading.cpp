@@ -46,18 +46,8 @@ SurfacePoint RayHits::on(int triangle, const Eigen::Vector2d& normalised) const 
   const Eigen::Vector3d a = mesh.vertices[corner[0]] - eye_in_body_;
   const Eigen::Vector3d b = mesh.vertices[corner[1]] - eye_in_body_;
   const Eigen::Vector3d c = mesh.vertices[corner[2]] - eye_in_body_;
-  // The volumes that the ray spans with the edges; their sum is the winding normal along the ray.
   const Eigen::Vector3d across = c.cross(ray);
-  Eigen::Vector3d volumes(b.dot(across), -a.dot(across), a.cross(b).dot(ray));
-  SurfacePoint point;
-  point.triangle = triangle;
-  point.is_front = volumes.sum() < 0;
-  if (point.is_front) volumes = -volumes;
-  volumes = volumes.cwiseMax(0);
-  const double sum = volumes.sum();
-  // Seen exactly edge-on there is nothing to divide by.
-  point.weights = sum > 0 ? Eigen::Vector3d(volumes / sum) : Eigen::Vector3d::Constant(1.0 / 3);
-  return point;
+  return surface_point(triangle, {b.dot(across), -a.dot(across), a.cross(b).dot(ray)});
 }
 
 double RayHits::depth_m(const SurfacePoint& point) const {

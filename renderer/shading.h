@@ -22,6 +22,20 @@ struct SurfacePoint {
   bool is_front = true;  ///< seen from the side that its winding calls outside
 };
 
+/// Where a ray meets a triangle's plane, moved into the triangle if it misses, by the volumes that
+/// it spans with the edges opposite to the corners: their sum is the winding normal along the ray.
+inline SurfacePoint surface_point(int triangle, Eigen::Vector3d volumes) {
+  SurfacePoint point;
+  point.triangle = triangle;
+  point.is_front = volumes.sum() < 0;
+  if (point.is_front) volumes = -volumes;
+  volumes = volumes.cwiseMax(0);
+  const double sum = volumes.sum();
+  // Seen exactly edge-on there is nothing to divide by.
+  point.weights = sum > 0 ? Eigen::Vector3d(volumes / sum) : Eigen::Vector3d::Constant(1.0 / 3);
+  return point;
+}
+
 /// A triangle's normal by its winding, twice its area long.
 Eigen::Vector3d winding_normal(const Mesh& mesh, const Triangle& triangle);
 

@@ -148,9 +148,8 @@ std::string extras_text(const SetExtras& extras) {
   std::string text;
   if (extras.has_itodd_tif) {
     text +=
-        "- gray/ and depth/ have each picture as .tif too: BOP's toolkit reads the set under the "
-        "name\n"
-        "  itodd, the one of its own that is grey.\n";
+        "- gray/ and depth/ have each picture as .tif too: BOP's toolkit reads this set under the\n"
+        "  name of itodd, the one of its own that is grey.\n";
   }
   if (extras.has_grey_tiff) {
     text += "- Each grey picture is there as .tiff too, as BOP's readers of folders want it.\n";

@@ -216,8 +216,8 @@ struct OwnSet {
   Matrix6d information;
 };
 
-// Whether all inliers of a set lie in front of the camera where the points were linearised: of one
-// that does not there is no residual.
+// Whether all inliers of a set lie in front of the camera at the pose of the linearisation. One
+// that does not has no residual, and would count as one that fits exactly.
 bool are_inliers_seen(const LinearCloud& linear, const Sorted& sorted, std::uint32_t outliers) {
   for (const std::size_t i : sorted.certain) {
     if (!linear.is_seen[i]) return false;
