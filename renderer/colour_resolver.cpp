@@ -3,8 +3,10 @@
 #include "renderer/colour_resolver.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <Eigen/LU>
 
@@ -16,12 +18,40 @@ namespace {
 
 constexpr double kShadowTexelPx = 0.1;  // as the image sees it, where Shadow can hold that many
 
-// The shorter half axis of the ellipse that a linear map makes of the unit circle.
-double minor_axis(const Eigen::Matrix2d& map) {
-  const double squares = map.squaredNorm();
-  const double determinant = map.determinant();
-  const double root = std::sqrt(std::max(0.0, squares * squares - 4 * determinant * determinant));
-  return std::sqrt(std::max(0.0, (squares - root) / 2));
+// The square of the shorter half axis of the ellipse that a linear map makes of the unit circle.
+float squared_minor_axis(const Eigen::Matrix2f& map) {
+  const float squares = map.squaredNorm();
+  const float area = 2 * map.determinant();
+  const float root = std::sqrt(std::max(0.0f, squares * squares - area * area));
+  return squares > 0 ? area * area / (2 * (squares + root)) : 0;
+}
+
+// The level whose texels come nearest to `squared`, the square of a length in texels of level 0:
+// log2 of the length, rounded.
+int nearest_level(float squared) {
+  constexpr int kMantissaBits = 23;
+  constexpr int kBias = 127;
+  return (static_cast<int>(std::bit_cast<uint32_t>(2 * squared) >> kMantissaBits) - kBias) >> 1;
+}
+
+Carried carried(const Eigen::Matrix<float, 4, 3>& at_and_by, int row) {
+  return {at_and_by(row, 0), at_and_by(row, 1), at_and_by(row, 2)};
+}
+
+float clamped_at(const Carried& value, float least, float greatest) {
+  return std::min(std::max(value.at, least), greatest);
+}
+
+// Light as PaintedGroup has it.
+void put_light(const ColourLight& light, const Paint& paint, float* to) {
+  Eigen::Map<Eigen::Array4f> of_base(to);
+  Eigen::Map<Eigen::Array4f> own(to + 4);
+  of_base = light.of_base;
+  of_base[3] = 1;  // of alpha, which takes no light
+  of_base *= paint.factor;
+  own = light.own;
+  if (paint.emissive == nullptr) own += paint.emitted;
+  own[3] = 0;
 }
 
 }  // namespace
@@ -51,17 +81,21 @@ ColourResolver::ColourResolver(const std::vector<PlacedBody>& bodies, const Scen
       screen_(screen),
       pattern_(pattern),
       memory_(memory),
-      sample_levels_(static_cast<float>(std::log2(pattern.count) / 2)),
       groups_(static_cast<size_t>(pattern.count)),
-      entry_(groups_.size()),
-      order_(groups_.size()),
-      x_(groups_.size()),
-      y_(groups_.size()),
-      u_(groups_.size()),
-      v_(groups_.size()),
-      of_base_(4 * groups_.size()),
-      own_(4 * groups_.size()),
+      rest_(groups_.size()),
+      light_(kLightNumbers * (groups_.size() + kSpareSamples)),
+      run_(groups_.size()),
+      u_(groups_.size() + kSpareSamples),
+      v_(groups_.size() + kSpareSamples),
       layer_(groups_.size()) {
+  for (Order* order : {&as_drawn_, &by_group_}) {
+    order->sample.resize(groups_.size());
+    order->x.resize(groups_.size() + kSpareSamples);
+    order->y.resize(groups_.size() + kSpareSamples);
+  }
+  std::iota(as_drawn_.sample.begin(), as_drawn_.sample.end(), 0);
+  std::copy(pattern.x.begin(), pattern.x.end(), as_drawn_.x.begin());
+  std::copy(pattern.y.begin(), pattern.y.end(), as_drawn_.y.begin());
   EnvironmentLight* panorama = memory.environment_of(scene);
   for (size_t b = 0; b < bodies.size(); ++b) {
     shaders_.emplace_back(bodies[b], scene, panorama, shadow_on(bodies, b, scene),
@@ -81,26 +115,43 @@ void ColourResolver::enter_pixel(int x, int y) {
 
 // Sorts the samples by what they see.
 void ColourResolver::group(const uint32_t* ids) {
+  const auto count = static_cast<size_t>(pattern_.count);
+  uint32_t differs = 0;
+  for (size_t k = 0; k < count; ++k) differs |= ids[k] ^ ids[0];
+  if (differs == 0) {
+    groups_[0] = {ids[0], 0, pattern_.count};
+    known_ = 1;
+    order_ = &as_drawn_;
+    return;
+  }
   known_ = 0;
-  size_t last = 0;
-  for (int k = 0; k < pattern_.count; ++k) {
-    if (known_ == 0 || groups_[last].id != ids[k]) {
-      for (last = 0; last < known_ && groups_[last].id != ids[k];) ++last;
-      if (last == known_) groups_[known_++] = {ids[k], 0, 0};
+  size_t placed = 0;
+  std::copy(as_drawn_.sample.begin(), as_drawn_.sample.end(), rest_.begin());
+  for (size_t left = count; left > 0; ++known_) {
+    const uint32_t id = ids[rest_[0]];
+    const size_t begin = placed;
+    const size_t of_before = left;
+    left = 0;
+    // Both places are written, and what is right of them stays: there is nothing to guess.
+    for (size_t i = 0; i < of_before; ++i) {
+      const int sample = rest_[i];
+      const bool is_one = ids[sample] == id;
+      by_group_.sample[placed] = sample;
+      rest_[left] = sample;
+      placed += is_one ? 1 : 0;
+      left += is_one ? 0 : 1;
     }
-    ++groups_[last].count;
-    entry_[static_cast<size_t>(k)] = static_cast<int>(last);
+    groups_[known_] = {id, static_cast<int>(begin), static_cast<int>(placed - begin)};
   }
-  int begin = 0;
-  for (size_t g = 0; g < known_; ++g) {
-    groups_[g].begin = begin;
-    begin += groups_[g].count;
-    groups_[g].count = 0;
+  for (size_t i = 0; i < count; ++i) {
+    by_group_.x[i] = pattern_.x[static_cast<size_t>(by_group_.sample[i])];
+    by_group_.y[i] = pattern_.y[static_cast<size_t>(by_group_.sample[i])];
   }
-  for (int k = 0; k < pattern_.count; ++k) {
-    Group& group = groups_[static_cast<size_t>(entry_[static_cast<size_t>(k)])];
-    order_[static_cast<size_t>(group.begin + group.count++)] = k;
-  }
+  order_ = &by_group_;
+}
+
+int ColourResolver::first_sample(const Group& group) const {
+  return order_->sample[static_cast<size_t>(group.begin)];
 }
 
 Eigen::Vector3d ColourResolver::ray_of(int sample) const {
@@ -109,143 +160,148 @@ Eigen::Vector3d ColourResolver::ray_of(int sample) const {
   return {at.x(), at.y(), 1};
 }
 
-const SurfacePlane& ColourResolver::plane_of(uint32_t id, const ColourShader& shader,
-                                             int triangle) {
+ColourResolver::Surface ColourResolver::surface_of(const Group& group) const {
+  const size_t b = body_of(bodies_, group.id);
+  const int triangle = static_cast<int>(group.id - bodies_[b].first_id);
+  return {shaders_[b], shaders_[b].paint(triangle), triangle};
+}
+
+const SurfacePlane& ColourResolver::plane_of(uint32_t id, const Surface& surface) {
   int& index = memory_.plane_index[id];
   if (index == 0) {
-    memory_.planes.push_back(shader.plane_of(triangle));
+    memory_.planes.push_back(surface.shader.plane_of(surface.triangle));
     index = static_cast<int>(memory_.planes.size());
   }
   return memory_.planes[static_cast<size_t>(index - 1)];
 }
 
-// Puts what the corners carry into painted_, as the group's samples see it. Returns how fine the
-// texture is there, as a pixel sees it.
-float ColourResolver::anchor(const Group& group, const SurfacePlane& plane, const Paint& paint) {
-  const int first = order_[static_cast<size_t>(group.begin)];
-  for (int i = 0; i < group.count; ++i) {
-    const int k = order_[static_cast<size_t>(group.begin + i)];
-    x_[static_cast<size_t>(i)] = pattern_.x[k] - pattern_.x[first];
-    y_[static_cast<size_t>(i)] = pattern_.y[k] - pattern_.y[first];
-  }
-  const Eigen::Vector3d ray = ray_of(first);
-  const Eigen::RowVector3d weights = plane.volumes.colwise().sum();
-  const double per_weight = 1 / weights.dot(ray);
-  const Eigen::RowVector2d weight_by = weights.head<2>() * per_weight * per_pixel_;
-  painted_.count = group.count;
-  painted_.x = x_.data();
-  painted_.y = y_.data();
-  painted_.weight_by_x = static_cast<float>(weight_by.x());
-  painted_.weight_by_y = static_cast<float>(weight_by.y());
-  const auto carried = [&](const Eigen::RowVector3d& value) -> Carried {
-    const double at = value.dot(ray) * per_weight;
-    const Eigen::RowVector2d by = value.head<2>() * per_weight * per_pixel_ - at * weight_by;
-    return {static_cast<float>(at), static_cast<float>(by.x()), static_cast<float>(by.y())};
+// Says in `painted` what the corners carry, as the group's samples see it. Returns the level of
+// the texture that a pixel sees, where light_at() wants it.
+float ColourResolver::anchor(const Group& group, const SurfacePlane& plane, const Paint& paint,
+                             const Eigen::Vector3d& ray, PaintedGroup& painted) const {
+  painted.count = group.count;
+  painted.anchor_x = order_->x[static_cast<size_t>(group.begin)];
+  painted.anchor_y = order_->y[static_cast<size_t>(group.begin)];
+  // The columns: what is there, and its derivatives by the pixel.
+  Eigen::Matrix<double, 4, 3> there;
+  const auto look = [&](const Eigen::Matrix<double, 4, 3>& linear, double per_weight) {
+    there.col(0) = linear * ray * per_weight;
+    there.rightCols<2>() = linear.leftCols<2>() * (per_pixel_ * per_weight);
   };
-  painted_.u = carried(plane.uv.row(0));
-  painted_.v = carried(plane.uv.row(1));
-  painted_.least_u = static_cast<float>(plane.least_uv.x());
-  painted_.least_v = static_cast<float>(plane.least_uv.y());
-  painted_.greatest_u = static_cast<float>(plane.greatest_uv.x());
-  painted_.greatest_v = static_cast<float>(plane.greatest_uv.y());
-  painted_.has_colours = paint.has_colours;
+  look(plane.sum_and_uv, 1 / plane.sum_and_uv.row(0).dot(ray));
+  const Eigen::RowVector2d weight_by = there.rightCols<2>().row(0);
+  painted.weight_by_x = static_cast<float>(weight_by.x());
+  painted.weight_by_y = static_cast<float>(weight_by.y());
+  const auto less_weight = [&]() -> Eigen::Matrix<float, 4, 3> {
+    there.rightCols<2>() -= there.col(0) * weight_by;
+    return there.cast<float>();
+  };
+  const Eigen::Matrix<float, 4, 3> uv = less_weight();
+  painted.u = carried(uv, 1);
+  painted.v = carried(uv, 2);
+  painted.least_u = plane.least_uv.x();
+  painted.least_v = plane.least_uv.y();
+  painted.greatest_u = plane.greatest_uv.x();
+  painted.greatest_v = plane.greatest_uv.y();
   if (paint.has_colours) {
-    for (int c = 0; c < 4; ++c) painted_.colours[c] = carried(plane.colours.row(c));
+    look(plane.colours, 1 / plane.sum_and_uv.row(0).dot(ray));
+    const Eigen::Matrix<float, 4, 3> colours = less_weight();
+    for (int c = 0; c < 4; ++c) painted.colours[c] = carried(colours, c);
   }
-  uv_ = {std::clamp(painted_.u.at, painted_.least_u, painted_.greatest_u),
-         std::clamp(painted_.v.at, painted_.least_v, painted_.greatest_v)};
   if (!paint.has_texture) return 0;
-  Eigen::Matrix2d uv_from_px;
-  uv_from_px << painted_.u.by_x, painted_.u.by_y, painted_.v.by_x, painted_.v.by_y;
-  return std::log2(static_cast<float>(minor_axis(paint.texels_from_uv * uv_from_px)));
-}
-
-// The light of each of the group's samples, into of_base_ and own_.
-void ColourResolver::light_samples(const Group& group, const ColourShader& shader,
-                                   const SurfacePlane& plane, int triangle, float level,
-                                   float sky) {
-  if (shader.paint(triangle).is_painted) uv_of(painted_, u_.data(), v_.data());
-  for (int i = 0; i < group.count; ++i) {
-    const int sample = order_[static_cast<size_t>(group.begin + i)];
-    const Eigen::Vector2f uv(u_[static_cast<size_t>(i)], v_[static_cast<size_t>(i)]);
-    const SurfaceHit hit = shader.hit(plane, triangle, ray_of(sample));
-    const ColourLight light = shader.light_at(hit, uv, level, sample, sky);
-    Eigen::Map<Eigen::Array4f>(of_base_.data() + 4 * i) = light.of_base;
-    Eigen::Map<Eigen::Array4f>(own_.data() + 4 * i) = light.own;
-  }
-}
-
-// Says in painted_ how the samples of a group look textures up.
-void ColourResolver::look_at_textures(const Paint& paint, float level, bool has_detail) {
+  const float squared = squared_minor_axis(paint.texels_from_uv * uv.block<2, 2>(1, 1));
   // A sample is finer than its pixel. One level alone is read, the nearest: two neighbours' samples
   // differ by a blur of a quarter of a pixel, of which their mean keeps nothing that is seen.
-  const float sample_level = level - sample_levels_;
-  painted_.base = nullptr;
+  const float of_sample = squared / static_cast<float>(pattern_.count);
   if (paint.base != nullptr) {
-    base_ = paint.base->lookup(paint.material.base_texture, std::round(sample_level));
-    painted_.base = &base_;
+    painted.base = paint.base->level(paint.material.base_texture, nearest_level(of_sample));
   }
-  painted_.emission = nullptr;
   if (paint.emissive != nullptr) {
-    emission_ = paint.emissive->lookup(paint.material.emissive_texture,
-                                       std::round(sample_level + paint.emissive_shift));
-    painted_.emission = &emission_;
+    painted.emission = paint.emissive->level(paint.material.emissive_texture,
+                                             nearest_level(of_sample * paint.emissive_scale));
   }
-  Eigen::Map<Eigen::Array4f>(painted_.emitted) = paint.emitted;
-  painted_.of_base = of_base_.data();
-  painted_.own = own_.data();
-  painted_.light_step = has_detail ? 4 : 0;
+  return paint.wants_level ? std::log2(squared) / 2 : 0;
 }
 
-// Lights a group's samples: what painted_, of_base_ and own_ say is theirs.
-ColourResolver::Lit ColourResolver::light_group(const Group& group) {
-  const size_t b = body_of(bodies_, group.id);
-  const ColourShader& shader = shaders_[b];
-  const int triangle = static_cast<int>(group.id - bodies_[b].first_id);
-  const Paint& paint = shader.paint(triangle);
-  const SurfacePlane& plane = plane_of(group.id, shader, triangle);
-  const float level = paint.is_painted ? anchor(group, plane, paint) : 0;
-  const bool has_detail = shader.has_detail();
-  const Eigen::Vector3d ray = ray_of(order_[static_cast<size_t>(group.begin)]);
-  const SurfaceHit hit = shader.hit(plane, triangle, ray);
-  const float sky = shader.sky_share(hit);
-  if (has_detail) {
-    light_samples(group, shader, plane, triangle, level, sky);
-  } else {
-    const ColourLight light = shader.light_at(hit, uv_, level, 0, sky);
-    Eigen::Map<Eigen::Array4f>(of_base_.data()) = light.of_base;
-    Eigen::Map<Eigen::Array4f>(own_.data()) = light.own;
+// The light of each of the group's samples.
+void ColourResolver::light_samples(const Group& group, const Surface& surface,
+                                   const SurfacePlane& plane, PaintedGroup& painted, float level,
+                                   float sky) {
+  const auto begin = static_cast<size_t>(group.begin);
+  if (surface.paint.wants_level) {
+    uv_of(painted, order_->x.data() + begin, order_->y.data() + begin, u_.data(), v_.data());
   }
-  const int lights = has_detail ? group.count : 1;
-  for (int i = 0; i < lights; ++i) {
-    Eigen::Map<Eigen::Array4f> of_base(of_base_.data() + 4 * i);
-    Eigen::Map<Eigen::Array4f> own(own_.data() + 4 * i);
-    of_base[3] = 1;  // of alpha, which takes no light
-    of_base *= paint.factor;
-    if (paint.emissive == nullptr) own += paint.emitted;
-    own[3] = 0;
+  for (size_t i = 0; i < static_cast<size_t>(group.count); ++i) {
+    const int sample = order_->sample[begin + i];
+    const SurfaceHit hit = surface.shader.hit(plane, surface.triangle, ray_of(sample));
+    const ColourLight light = surface.shader.light_at(hit, {u_[i], v_[i]}, level, sample, sky);
+    put_light(light, surface.paint, light_.data() + kLightNumbers * (begin + i));
   }
-  if (paint.is_painted) look_at_textures(paint, level, has_detail);
-  return {paint, lights};
 }
 
-// Of a surface without texture.
-Eigen::Array4f ColourResolver::flat_light(int light) const {
-  return (Eigen::Map<const Eigen::Array4f>(of_base_.data() + 4 * light) +
-          Eigen::Map<const Eigen::Array4f>(own_.data() + 4 * light))
+// Lights a group's samples, and says in `painted` how they see the paint.
+void ColourResolver::light_group(const Group& group, const Surface& surface,
+                                 PaintedGroup& painted) {
+  const SurfacePlane& plane = plane_of(group.id, surface);
+  const Eigen::Vector3d ray = ray_of(first_sample(group));
+  const float level =
+      surface.paint.is_painted ? anchor(group, plane, surface.paint, ray, painted) : 0;
+  const SurfaceHit hit = surface.shader.hit(plane, surface.triangle, ray);
+  const float sky = surface.shader.sky_share(hit);
+  if (surface.shader.has_detail()) {
+    light_samples(group, surface, plane, painted, level, sky);
+    return;
+  }
+  const Eigen::Vector2f uv(clamped_at(painted.u, painted.least_u, painted.greatest_u),
+                           clamped_at(painted.v, painted.least_v, painted.greatest_v));
+  put_light(surface.shader.light_at(hit, uv, level, 0, sky), surface.paint,
+            light_.data() + kLightNumbers * static_cast<size_t>(group.begin));
+}
+
+// That of a group's sample, of a surface without texture.
+Eigen::Array4f ColourResolver::flat_light(const Group& group, const Surface& surface,
+                                          int sample) const {
+  const int at = group.begin + (surface.shader.has_detail() ? sample : 0);
+  const float* light = light_.data() + ptrdiff_t{kLightNumbers} * at;
+  return (Eigen::Map<const Eigen::Array4f>(light) + Eigen::Map<const Eigen::Array4f>(light + 4))
       .min(1.0f);
 }
 
-// Adds the light of a group's samples.
-void ColourResolver::add(const Group& group, Eigen::Array4f& sum) {
-  const Lit lit = light_group(group);
-  if (lit.paint.is_painted) {
-    add_painted(painted_, sum.data());
-  } else if (lit.lights == 1) {
-    sum += flat_light(0) * static_cast<float>(group.count);
-  } else {
-    for (int i = 0; i < lit.lights; ++i) sum += flat_light(i);
+PaintedSamples ColourResolver::painted_run(const Surface& surface, const Group& first,
+                                           size_t groups) const {
+  const Paint& paint = surface.paint;
+  PaintedSamples samples;
+  samples.groups = run_.data();
+  samples.group_count = static_cast<int>(groups);
+  samples.x = order_->x.data() + first.begin;
+  samples.y = order_->y.data() + first.begin;
+  samples.light = light_.data() + kLightNumbers * static_cast<size_t>(first.begin);
+  samples.has_light_each = surface.shader.has_detail();
+  samples.has_colours = paint.has_colours;
+  if (paint.base != nullptr) samples.base = &paint.base_map;
+  if (paint.emissive != nullptr) samples.emission = &paint.emissive_map;
+  samples.emitted = paint.emitted.data();
+  return samples;
+}
+
+// Adds the light of a group's samples and, if it is painted, of those after it that see the same
+// paint. Returns the first group that is left.
+size_t ColourResolver::add_run(size_t first, Eigen::Array4f& sum) {
+  const Group& group = groups_[first];
+  const Surface surface = surface_of(group);
+  light_group(group, surface, run_[0]);
+  if (!surface.paint.is_painted) {
+    for (int i = 0; i < group.count; ++i) sum += flat_light(group, surface, i);
+    return first + 1;
   }
+  size_t end = first + 1;
+  for (; end < known_ && groups_[end].id != 0; ++end) {
+    const Surface next = surface_of(groups_[end]);
+    if (&next.paint != &surface.paint) break;
+    light_group(groups_[end], next, run_[end - first]);
+  }
+  add_painted(painted_run(surface, group, end - first), sum.data());
+  return end;
 }
 
 bool ColourResolver::is_see_through() const {
@@ -261,13 +317,15 @@ bool ColourResolver::add_layer(int x, int y, const uint32_t* ids, float* nearnes
   for (size_t g = 0; g < known_; ++g) {
     const Group& seen = groups_[g];
     if (seen.id == 0) continue;
-    const Lit lit = light_group(seen);
-    if (lit.paint.is_painted) paint_each(painted_, layer_.front().data());
+    const Surface surface = surface_of(seen);
+    const Paint& paint = surface.paint;
+    light_group(seen, surface, run_[0]);
+    if (paint.is_painted) paint_each(painted_run(surface, seen, 1), layer_.front().data());
     for (int i = 0; i < seen.count; ++i) {
-      const int k = order_[static_cast<size_t>(seen.begin + i)];
-      const Eigen::Array4f light = lit.paint.is_painted ? layer_[static_cast<size_t>(i)]
-                                                        : flat_light(lit.lights == 1 ? 0 : i);
-      const float alpha = opacity(lit.paint.alpha_mode, lit.paint.material.alpha_cutoff, light[3]);
+      const int k = order_->sample[static_cast<size_t>(seen.begin + i)];
+      const Eigen::Array4f light =
+          paint.is_painted ? layer_[static_cast<size_t>(i)] : flat_light(seen, surface, i);
+      const float alpha = opacity(paint.alpha_mode, paint.material.alpha_cutoff, light[3]);
       const float through = samples[k][3];
       samples[k].head<3>() += through * alpha * light.head<3>();
       samples[k][3] = through * (1 - alpha);
@@ -293,14 +351,14 @@ Eigen::Array3f ColourResolver::mean(int x, int y, const uint32_t* ids,
   enter_pixel(x, y);
   group(ids);
   Eigen::Array3d sum = Eigen::Array3d::Zero();
-  for (size_t g = 0; g < known_; ++g) {
-    const Group& seen = groups_[g];
-    if (seen.id == 0) {
-      sum += seen.count * background.cast<double>();
+  for (size_t g = 0; g < known_;) {
+    if (groups_[g].id == 0) {
+      sum += groups_[g].count * background.cast<double>();
+      ++g;
       continue;
     }
     Eigen::Array4f light = Eigen::Array4f::Zero();
-    add(seen, light);
+    g = add_run(g, light);
     sum += light.head<3>().cast<double>();
   }
   return (sum / pattern_.count).cast<float>();

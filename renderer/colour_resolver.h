@@ -63,22 +63,31 @@ class ColourResolver {
     int begin = 0;  // in order_
     int count = 0;
   };
+  // Samples, and where in a pixel they are, px.
+  struct Order {
+    std::vector<int> sample;
+    std::vector<float> x, y;
+  };
+  struct Surface {
+    const ColourShader& shader;
+    const Paint& paint;
+    int triangle;
+  };
 
   void enter_pixel(int x, int y);
   void group(const uint32_t* ids);
+  int first_sample(const Group& group) const;
   Eigen::Vector3d ray_of(int sample) const;
-  const SurfacePlane& plane_of(uint32_t id, const ColourShader& shader, int triangle);
-  struct Lit {
-    const Paint& paint;
-    int lights;  // in of_base_ and own_: one for all samples, or one each
-  };
-  Lit light_group(const Group& group);
-  void look_at_textures(const Paint& paint, float level, bool has_detail);
-  void add(const Group& group, Eigen::Array4f& sum);
-  Eigen::Array4f flat_light(int light) const;
-  float anchor(const Group& group, const SurfacePlane& plane, const Paint& paint);
-  void light_samples(const Group& group, const ColourShader& shader, const SurfacePlane& plane,
-                     int triangle, float level, float sky);
+  Surface surface_of(const Group& group) const;
+  const SurfacePlane& plane_of(uint32_t id, const Surface& surface);
+  void light_group(const Group& group, const Surface& surface, PaintedGroup& painted);
+  void light_samples(const Group& group, const Surface& surface, const SurfacePlane& plane,
+                     PaintedGroup& painted, float level, float sky);
+  float anchor(const Group& group, const SurfacePlane& plane, const Paint& paint,
+               const Eigen::Vector3d& ray, PaintedGroup& painted) const;
+  Eigen::Array4f flat_light(const Group& group, const Surface& surface, int sample) const;
+  PaintedSamples painted_run(const Surface& surface, const Group& first, size_t groups) const;
+  size_t add_run(size_t first, Eigen::Array4f& sum);
 
   const std::vector<PlacedBody>& bodies_;
   const Camera& camera_;
@@ -88,19 +97,15 @@ class ColourResolver {
   ColourMemory& memory_;
   Eigen::Vector2d centre_ = Eigen::Vector2d::Zero();     // of the pixel, normalised
   Eigen::Matrix2d per_pixel_ = Eigen::Matrix2d::Zero();  // its derivative by the pixel
-  float sample_levels_;  // how many levels finer a sample is than a pixel
   std::vector<Group> groups_;
-  size_t known_ = 0;        // entries of groups_
-  std::vector<int> entry_;  // the group of each sample
-  std::vector<int> order_;  // the samples by group
-  // Of the group that is added: the samples' offsets from its first, their light, and where the
-  // first lies on the texture.
-  PaintedSamples painted_;
-  std::vector<float> x_, y_, u_, v_;
-  std::vector<float> of_base_, own_;
-  TexelLookup base_, emission_;
-  std::vector<Eigen::Array4f> layer_;  // of the group's samples: light and alpha
-  Eigen::Vector2f uv_ = Eigen::Vector2f::Zero();
+  size_t known_ = 0;  // entries of groups_
+  Order as_drawn_, by_group_;
+  const Order* order_ = &as_drawn_;    // of the pixel's samples
+  std::vector<int> rest_;              // samples whose groups are not yet known
+  std::vector<float> light_;           // of each group's samples, as PaintedGroup has it
+  std::vector<PaintedGroup> run_;      // groups of one paint, one after the other
+  std::vector<float> u_, v_;           // of the samples of the group that is lit
+  std::vector<Eigen::Array4f> layer_;  // of a group's samples: light and alpha
 };
 
 /// How a body is shadowed; none where the scene's light casts no shadows.

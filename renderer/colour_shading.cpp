@@ -31,12 +31,12 @@ Eigen::Array4f factors_of(const Eigen::Vector3d& colour, bool is_grey) {
   return factors;
 }
 
-Eigen::Matrix2d texels_from_uv(const TexturePyramid& pyramid, const TextureRef& ref) {
+Eigen::Matrix2f texels_from_uv(const TexturePyramid& pyramid, const TextureRef& ref) {
   const auto& m = ref.texture_from_uv;
   Eigen::Matrix2d texels;
   texels << pyramid.width() * m[0], pyramid.width() * m[1], pyramid.height() * m[3],
       pyramid.height() * m[4];
-  return texels;
+  return texels.cast<float>();
 }
 
 // Levels of the part's textures are those of the first that it has.
@@ -54,8 +54,9 @@ void count_levels(Paint& paint) {
   };
   shift(paint.base, material.base_texture);
   paint.gloss_shift = shift(paint.gloss, material.gloss_texture);
-  paint.emissive_shift = shift(paint.emissive, material.emissive_texture);
+  paint.emissive_scale = std::exp2(2 * shift(paint.emissive, material.emissive_texture));
   paint.normal_shift = shift(paint.normal, material.normal_texture);
+  paint.wants_level = paint.gloss != nullptr || paint.normal != nullptr;
 }
 
 Gloss gloss_at(const Paint& paint, const Eigen::Vector2f& uv, float level) {
@@ -115,7 +116,8 @@ ColourShader::ColourShader(const PlacedBody& body, const Scene& scene, Environme
       second_colour_(factors_of(light_.second_colour, is_grey_)),
       body_from_cam_(body.cam_from_body.rotation.transpose()),
       shadow_(std::move(shadow)),
-      sky_(sky) {
+      sky_(sky),
+      has_detail_(find_detail()) {
   paints_.reserve(body.mesh->parts.size());
   for (const Part& part : body.mesh->parts) {
     paints_.push_back(paint_of(part, scene.colouring.draws_textures, textures));
@@ -138,6 +140,7 @@ Paint ColourShader::paint_of(const Part& part, bool draws_textures, TextureCache
     return is_drawn ? &textures.pyramid(mesh.textures[ref.texture], weighs_alpha) : nullptr;
   };
   paint.base = pyramid(material.base_texture, material.alpha_mode != AlphaMode::kOpaque);
+  if (paint.base != nullptr) paint.base_map = paint.base->map(material.base_texture);
   if (is_grey_) return paint;
   paint.is_dull = !material.has_gloss;
   if (material.has_gloss) paint.glow = GlowCurve(material.roughness * material.roughness);
@@ -147,11 +150,14 @@ Paint ColourShader::paint_of(const Part& part, bool draws_textures, TextureCache
   }
   paint.gloss = pyramid(material.gloss_texture, false);
   paint.emissive = pyramid(material.emissive_texture, false);
+  if (paint.emissive != nullptr) {
+    paint.emissive_map = paint.emissive->map(material.emissive_texture);
+  }
   paint.normal = pyramid(material.normal_texture, false);
   return paint;
 }
 
-bool ColourShader::has_detail() const {
+bool ColourShader::find_detail() const {
   const bool has_rim = std::any_of(lamps_.begin(), lamps_.end(),
                                    [](const Lamp& lamp) { return lamp.cone_deg < 180; });
   return shadow_ != nullptr || light_.specular > 0 || hits_.body().stripe_contrast > 0 || has_rim;
@@ -174,18 +180,17 @@ SurfacePlane ColourShader::plane_of(int triangle) const {
   plane.volumes.row(1) = c.cross(a);
   plane.volumes.row(2) = a.cross(b);
   plane.volumes *= body_from_cam_;
-  if (!paint(triangle).is_painted) return plane;
+  const Paint& paint = this->paint(triangle);
+  if (!paint.is_painted) return plane;
   const Coat& coat = mesh.coats[triangle];
-  Eigen::Matrix<double, 2, 3> uv;
-  Eigen::Matrix<double, 4, 3> colours;
-  for (int i = 0; i < 3; ++i) {
-    uv.col(i) = coat.uv[i].cast<double>();
-    colours.col(i) = coat.colour[i].cast<double>();
-  }
-  plane.uv = uv * plane.volumes;
-  plane.colours = colours * plane.volumes;
-  plane.least_uv = uv.rowwise().minCoeff();
-  plane.greatest_uv = uv.rowwise().maxCoeff();
+  Eigen::Matrix<double, 4, 3> corners;
+  for (int i = 0; i < 3; ++i) corners.col(i) << 1, coat.uv[i].x(), coat.uv[i].y(), 0;
+  plane.sum_and_uv = corners * plane.volumes;
+  plane.least_uv = coat.uv[0].cwiseMin(coat.uv[1]).cwiseMin(coat.uv[2]);
+  plane.greatest_uv = coat.uv[0].cwiseMax(coat.uv[1]).cwiseMax(coat.uv[2]);
+  if (!paint.has_colours) return plane;
+  for (int i = 0; i < 3; ++i) corners.col(i) = coat.colour[i].cast<double>();
+  plane.colours = corners * plane.volumes;
   return plane;
 }
 

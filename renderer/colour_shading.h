@@ -19,9 +19,9 @@ namespace sightline {
 /// ray, and their ratios to the sum of `volumes` are what the ray meets.
 struct SurfacePlane {
   Eigen::Matrix3d volumes;  ///< that the ray spans with the edges; negative seen from the front
-  Eigen::Matrix<double, 2, 3> uv;
-  Eigen::Matrix<double, 4, 3> colours;  ///< red, green, blue, alpha
-  Eigen::Vector2d least_uv, greatest_uv;
+  Eigen::Matrix<double, 4, 3> sum_and_uv;  ///< the sum of volumes, u, v, and zeros
+  Eigen::Matrix<double, 4, 3> colours;     ///< red, green, blue, alpha
+  Eigen::Vector2f least_uv, greatest_uv;
 };
 
 /// Where a ray meets a triangle.
@@ -59,10 +59,12 @@ struct Paint {
   /// Where there is a texture, the size in texels, by the corners' coordinates, of the one whose
   /// levels are counted: the base colour's, if it has one. The others' levels are so much coarser.
   bool has_texture = false;
-  Eigen::Matrix2d texels_from_uv = Eigen::Matrix2d::Zero();
+  Eigen::Matrix2f texels_from_uv = Eigen::Matrix2f::Zero();
   float gloss_shift = 0;
-  float emissive_shift = 0;
   float normal_shift = 0;
+  float emissive_scale = 1;  ///< of texels' areas
+  bool wants_level = false;  ///< light_at() looks a texture up
+  TexelMap base_map, emissive_map;
   GlowCurve glow;  ///< of the factor of roughness, where there is gloss
 };
 
@@ -100,11 +102,12 @@ class ColourShader {
   bool is_see_through() const;
   const Paint& paint(int triangle) const { return paints_[part_of(triangle)]; }
   /// As in Shader: each sample wants its own light.
-  bool has_detail() const;
+  bool has_detail() const { return has_detail_; }
 
  private:
   int part_of(int triangle) const { return hits_.body().mesh->triangles[triangle].part; }
   Paint paint_of(const Part& part, bool draws_textures, TextureCache& textures) const;
+  bool find_detail() const;
   void find_colours();
   Eigen::Vector3d mesh_normal(const SurfaceHit& hit) const;
   Eigen::Vector3d normal_at(const SurfaceHit& hit, const Paint& paint, const Eigen::Vector2f& uv,
@@ -135,6 +138,7 @@ class ColourShader {
   Eigen::Matrix3d body_from_cam_;
   std::unique_ptr<const Shadow> shadow_;
   BodySky* sky_;
+  bool has_detail_;
   std::vector<Paint> paints_;  // a part each
 };
 

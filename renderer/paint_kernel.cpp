@@ -17,12 +17,13 @@ namespace {
 constexpr int kLanes = 8;
 using Floats = float __attribute__((vector_size(32)));
 using Ints = int32_t __attribute__((vector_size(32)));
-// Two texels beside each other.
+// Two texels.
 using Codes = uint16_t __attribute__((vector_size(16)));
 // One.
 using Floats4 = float __attribute__((vector_size(16)));
 
-constexpr float kWhite = 65535;
+constexpr int kMostSamples = 256;
+constexpr float kOfCode = 1.0f / 65535;
 constexpr float kFarOut = 1e9f;  // fits an integer
 
 // A NaN becomes the least.
@@ -64,22 +65,26 @@ struct Place {
   Floats share;
 };
 
-// Indices of texels.
-inline void find_places(const Floats& coordinates, int texels, Border border, Place& place) {
-  // Beyond the border by one at most.
-  const Ints before = Ints{} + (border == Border::kRepeat ? texels - 1 : 0);
-  const Ints after = Ints{} + (border == Border::kRepeat ? 0 : texels - 1);
-  const Floats at = coordinates * static_cast<float>(texels) - 0.5f;
+// Indices of texels. `blend` is 1, or 0 where the texel that a point lies in counts alone.
+inline void find_places(const Floats& coordinates, const Ints& texels, const Floats& blend,
+                        Border border, Place& place) {
+  const Ints last = texels - 1;
+  const Ints repeats = Ints{} - (border == Border::kRepeat ? 1 : 0);
+  const Ints before = last & repeats;
+  const Ints after = last & ~repeats;
+  const Floats at = coordinates * __builtin_convertvector(texels, Floats) - 0.5f * blend;
   Ints first;
   Floats floor;
   find_floor(at, first, floor);
-  place.share = at - floor;
-  place.second = first + 1 >= texels ? after : first + 1;
+  place.share = (at - floor) * blend;
+  // Beyond the border by one at most.
+  place.second = first >= last ? after : first + 1;
+  first = first > last ? last : first;
   place.first = first < 0 ? before : first;
 }
 
 // Columns' indices as numbers from the level's begin, and rows' as numbers from the column's.
-inline void columns_to_numbers(Ints& columns, int height) {
+inline void columns_to_numbers(Ints& columns, const Ints& height) {
   constexpr int kBits = TexelLevel::kColumnBits;
   columns = 4 * (columns + (((columns >> kBits) * (height - 1)) << kBits));
 }
@@ -88,105 +93,118 @@ inline void rows_to_numbers(Ints& rows) {
   rows = rows * (4 * TexelLevel::kColumn);
 }
 
-// Adds the blend of two texels of a row, still apart.
-inline void add_row(const uint16_t* row, int first, int second, const Floats& weights,
-                    Floats& sum) {
-  Codes codes;
-  if (second == first + 4) {
-    std::memcpy(&codes, row + first, sizeof(codes));
-  } else {
-    uint64_t texels[2];
-    std::memcpy(&texels[0], row + first, sizeof(texels[0]));
-    std::memcpy(&texels[1], row + second, sizeof(texels[1]));
-    std::memcpy(&codes, texels, sizeof(codes));
-  }
-  sum += weights * __builtin_convertvector(__builtin_convertvector(codes, Ints), Floats);
+// The sizes of the levels that samples read.
+struct Levels {
+  int32_t width[kMostSamples + kSpareSamples];
+  int32_t height[kMostSamples + kSpareSamples];
+  float blend[kMostSamples + kSpareSamples];
+};
+
+template <typename Vector, typename Number>
+inline void load(const Number* from, Vector& vector) {
+  std::memcpy(&vector, from, sizeof(vector));
 }
 
-inline void add_level(const TexelLevel& level, const TexelLookup& lookup, float weight,
-                      const Floats& u, const Floats& v, int count, Floats (&sums)[kLanes]) {
-  Place columns, rows;
-  find_places(u, level.width, lookup.border_u, columns);
-  find_places(v, level.height, lookup.border_v, rows);
-  columns_to_numbers(columns.first, level.height);
-  columns_to_numbers(columns.second, level.height);
-  rows_to_numbers(rows.first);
-  rows_to_numbers(rows.second);
-  const Floats right = weight * columns.share;
-  const Floats left = weight - right;
-  for (int k = 0; k < count; ++k) {
-    const Floats shares = {left[k],  left[k],  left[k],  left[k],
-                           right[k], right[k], right[k], right[k]};
-    const Floats lower = shares * rows.share[k];
-    const int first = columns.first[k];
-    const int second = columns.second[k];
-    add_row(level.texels + rows.first[k], first, second, shares - lower, sums[k]);
-    add_row(level.texels + rows.second[k], first, second, lower, sums[k]);
-  }
+template <typename Vector, typename Number>
+inline void store(const Vector& vector, Number* to) {
+  std::memcpy(to, &vector, sizeof(vector));
 }
 
-inline void read_nearest(const TexelLookup& lookup, const Floats& u, const Floats& v, int count,
-                         Floats4 (&rgba)[kLanes]) {
-  const TexelLevel& level = lookup.fine;
-  for (int k = 0; k < count; ++k) {
-    const int x = static_cast<int>(u[k] * static_cast<float>(level.width));
-    const int y = static_cast<int>(v[k] * static_cast<float>(level.height));
-    const uint16_t* texel =
-        level.texels + TexelLevel::place(std::min(x, level.width - 1),
-                                         std::min(y, level.height - 1), level.height);
-    for (int c = 0; c < 4; ++c) rgba[k][c] = static_cast<float>(texel[c]) / kWhite;
-  }
+inline void put_level(const TexelLevel& level, int begin, Levels& levels) {
+  store(Ints{} + level.width, levels.width + begin);
+  store(Ints{} + level.height, levels.height + begin);
+  store(Floats{} + (level.is_nearest ? 0.0f : 1.0f), levels.blend + begin);
 }
 
-inline void read_blended(const TexelLookup& lookup, const Floats& u, const Floats& v, int count,
-                         Floats4 (&rgba)[kLanes]) {
-  Floats sums[kLanes];
-  for (int k = 0; k < count; ++k) sums[k] = Floats{};
-  const float coarse = lookup.towards_coarse;
-  add_level(lookup.fine, lookup, 1 - coarse, u, v, count, sums);
-  if (coarse > 0) add_level(lookup.coarse, lookup, coarse, u, v, count, sums);
-  for (int k = 0; k < count; ++k) {
-    Floats4 halves[2];
-    std::memcpy(halves, &sums[k], sizeof(halves));
-    rgba[k] = (halves[0] + halves[1]) / kWhite;
-  }
-}
+// Where the four texels about each of eight points lie in their levels, and how much each counts.
+struct Corners {
+  Ints places[4];  // the upper two, the lower two
+  Floats weights[4];
+};
 
-inline void look_up_lanes(const TexelLookup& lookup, const Floats& u, const Floats& v, int count,
-                          Floats4 (&rgba)[kLanes]) {
-  const float* m = lookup.from_uv;
+inline void find_corners(const TexelMap& map, const Levels& levels, int begin, const Floats& u,
+                         const Floats& v, Corners& corners) {
+  const float* m = map.from_uv;
   Floats across = m[0] * u + m[1] * v + m[2];
   Floats down = m[3] * u + m[4] * v + m[5];
-  wrap_all(across, lookup.border_u);
-  wrap_all(down, lookup.border_v);
-  if (lookup.is_nearest) {
-    read_nearest(lookup, across, down, count, rgba);
-  } else {
-    read_blended(lookup, across, down, count, rgba);
-  }
-  if (!lookup.is_weighed) return;
+  wrap_all(across, map.border_u);
+  wrap_all(down, map.border_v);
+  Ints width, height;
+  Floats blend;
+  load(levels.width + begin, width);
+  load(levels.height + begin, height);
+  load(levels.blend + begin, blend);
+  Place columns, rows;
+  find_places(across, width, blend, map.border_u, columns);
+  find_places(down, height, blend, map.border_v, rows);
+  columns_to_numbers(columns.first, height);
+  columns_to_numbers(columns.second, height);
+  rows_to_numbers(rows.first);
+  rows_to_numbers(rows.second);
+  corners.places[0] = rows.first + columns.first;
+  corners.places[1] = rows.first + columns.second;
+  corners.places[2] = rows.second + columns.first;
+  corners.places[3] = rows.second + columns.second;
+  const Floats lower = rows.share;
+  const Floats upper = 1 - lower;
+  corners.weights[1] = upper * columns.share;
+  corners.weights[0] = upper - corners.weights[1];
+  corners.weights[3] = lower * columns.share;
+  corners.weights[2] = lower - corners.weights[3];
+}
+
+// Two texels' numbers, each by its weight.
+inline void weigh(const uint16_t* first, const uint16_t* second, float of_first, float of_second,
+                  Floats& weighed) {
+  uint64_t texels[2];
+  std::memcpy(&texels[0], first, sizeof(texels[0]));
+  std::memcpy(&texels[1], second, sizeof(texels[1]));
+  Codes codes;
+  std::memcpy(&codes, texels, sizeof(codes));
+  const Floats weights = {of_first,  of_first,  of_first,  of_first,
+                          of_second, of_second, of_second, of_second};
+  weighed = weights * __builtin_convertvector(__builtin_convertvector(codes, Ints), Floats);
+}
+
+// `texels` are those of a sample's level, by its place among the eight.
+template <typename Texels>
+inline void read_lanes(const TexelMap& map, const Levels& levels, const Texels& texels_of,
+                       int begin, const Floats& u, const Floats& v, int count,
+                       Floats4 (&rgba)[kLanes]) {
+  Corners corners;
+  find_corners(map, levels, begin, u, v, corners);
+  const auto& at = corners.places;
+  const auto& weight = corners.weights;
   for (int k = 0; k < count; ++k) {
-    const float alpha = rgba[k][3];
-    if (alpha > 0) rgba[k] /= alpha;
-    rgba[k][3] = alpha;
+    const uint16_t* texels = texels_of(k);
+    Floats upper, lower;
+    weigh(texels + at[0][k], texels + at[1][k], weight[0][k], weight[1][k], upper);
+    weigh(texels + at[2][k], texels + at[3][k], weight[2][k], weight[3][k], lower);
+    const Floats sum = upper + lower;
+    Floats4 halves[2];
+    std::memcpy(halves, &sum, sizeof(halves));
+    rgba[k] = (halves[0] + halves[1]) * kOfCode;
   }
 }
 
-// Eight samples of a group, or fewer.
+// Of a colour that is factored by alpha.
+inline void take_alpha_out(Floats4& rgba) {
+  const float alpha = rgba[3];
+  if (alpha > 0) rgba /= alpha;
+  rgba[3] = alpha;
+}
+
+// Offsets of eight samples from a group's anchor, and one over the denominator there.
 struct Eight {
-  int count;
   Floats x, y, per_weight;
 };
 
-inline void find_eight(const PaintedSamples& s, int begin, Eight& eight) {
-  eight.count = std::min(kLanes, s.count - begin);
-  eight.x = Floats{};
-  eight.y = Floats{};
-  for (int k = 0; k < eight.count; ++k) {
-    eight.x[k] = s.x[begin + k];
-    eight.y[k] = s.y[begin + k];
-  }
-  eight.per_weight = 1 / (1 + s.weight_by_x * eight.x + s.weight_by_y * eight.y);
+inline void find_eight(const PaintedGroup& group, const float* x, const float* y, Eight& eight) {
+  load(x, eight.x);
+  load(y, eight.y);
+  eight.x -= group.anchor_x;
+  eight.y -= group.anchor_y;
+  eight.per_weight = 1 / (1 + group.weight_by_x * eight.x + group.weight_by_y * eight.y);
 }
 
 inline void carry(const Carried& value, const Eight& eight, float least, float greatest,
@@ -196,88 +214,167 @@ inline void carry(const Carried& value, const Eight& eight, float least, float g
 }
 
 // A sample of a lens's chords may lie off the triangle by some 1e-4 px, much seen edge-on.
-inline void carry_uv(const PaintedSamples& s, const Eight& eight, Floats& u, Floats& v) {
-  carry(s.u, eight, s.least_u, s.greatest_u, u);
-  carry(s.v, eight, s.least_v, s.greatest_v, v);
+inline void carry_uv(const PaintedGroup& group, const Eight& eight, Floats& u, Floats& v) {
+  carry(group.u, eight, group.least_u, group.greatest_u, u);
+  carry(group.v, eight, group.least_v, group.greatest_v, v);
 }
 
-inline void load(const float* from, Floats4& four) {
-  std::memcpy(&four, from, sizeof(four));
+// What is known of each sample before textures are looked up.
+struct Placed {
+  float u[kMostSamples + kSpareSamples];
+  float v[kMostSamples + kSpareSamples];
+  float colours[4][kMostSamples + kSpareSamples];
+  int32_t group[kMostSamples + kSpareSamples];
+  int32_t light[kMostSamples + kSpareSamples];  // whose light it has: a sample's
+  Levels base, emission;
+};
+
+// Eights at a time: what is written beyond a group's end is the next one's to write again.
+inline void place_group(const PaintedSamples& s, int index, int first, Placed& placed) {
+  const PaintedGroup& group = s.groups[index];
+  const Ints counting = {0, 1, 2, 3, 4, 5, 6, 7};
+  const int light_step = s.has_light_each ? 1 : 0;
+  for (int i = 0; i < group.count; i += kLanes) {
+    const int begin = first + i;
+    Eight eight;
+    find_eight(group, s.x + begin, s.y + begin, eight);
+    Floats u, v;
+    carry_uv(group, eight, u, v);
+    store(u, placed.u + begin);
+    store(v, placed.v + begin);
+    if (s.base != nullptr) put_level(group.base, begin, placed.base);
+    if (s.emission != nullptr) put_level(group.emission, begin, placed.emission);
+    store(Ints{} + index, placed.group + begin);
+    store(first + (i + counting) * light_step, placed.light + begin);
+    if (!s.has_colours) continue;
+    for (int c = 0; c < 4; ++c) {
+      Floats values;
+      carry(group.colours[c], eight, 0, 1, values);
+      store(values, placed.colours[c] + begin);
+    }
+  }
+}
+
+// How many samples there are. The last eight are whole.
+inline int place_all(const PaintedSamples& s, Placed& placed) {
+  int count = 0;
+  for (int g = 0; g < s.group_count; ++g) {
+    place_group(s, g, count, placed);
+    count += s.groups[g].count;
+  }
+  store(Floats{}, placed.u + count);
+  store(Floats{}, placed.v + count);
+  put_level({}, count, placed.base);
+  put_level({}, count, placed.emission);
+  return count;
+}
+
+inline void look_up_lanes(const PaintedSamples& s, const TexelMap& map, const Levels& levels,
+                          TexelLevel PaintedGroup::*level, const Placed& placed, int begin,
+                          int count, Floats4 (&rgba)[kLanes]) {
+  Floats u, v;
+  load(placed.u + begin, u);
+  load(placed.v + begin, v);
+  const auto texels = [&](int k) { return (s.groups[placed.group[begin + k]].*level).texels; };
+  read_lanes(map, levels, texels, begin, u, v, count, rgba);
+  if (!map.is_weighed) return;
+  for (int k = 0; k < count; ++k) take_alpha_out(rgba[k]);
 }
 
 // The base colour without its factor.
-inline void colour(const PaintedSamples& s, const Eight& eight, const Floats& u, const Floats& v,
-                   Floats4 (&colours)[kLanes]) {
+inline void find_colours(const PaintedSamples& s, const Placed& placed, int begin, int count,
+                         Floats4 (&colours)[kLanes]) {
   if (s.base != nullptr) {
-    look_up_lanes(*s.base, u, v, eight.count, colours);
+    look_up_lanes(s, *s.base, placed.base, &PaintedGroup::base, placed, begin, count, colours);
   } else {
     for (Floats4& white : colours) white = Floats4{1, 1, 1, 1};
   }
   if (!s.has_colours) return;
   for (int c = 0; c < 4; ++c) {
-    Floats values;
-    carry(s.colours[c], eight, 0, 1, values);
-    for (int k = 0; k < eight.count; ++k) colours[k][c] *= values[k];
+    for (int k = 0; k < count; ++k) colours[k][c] *= placed.colours[c][begin + k];
   }
 }
 
 // Finds the light of eight samples, clipped at white.
-inline void light_eight(const PaintedSamples& s, int begin, int& count, Floats4 (&lights)[kLanes]) {
-  Floats4 of_base, own, emitted;
-  load(s.emitted, emitted);
+inline void light_eight(const PaintedSamples& s, const Placed& placed, int begin, int count,
+                        Floats4 (&lights)[kLanes]) {
   const Floats4 white = {1, 1, 1, 1};
-  Eight eight;
-  find_eight(s, begin, eight);
-  count = eight.count;
-  Floats u, v;
-  carry_uv(s, eight, u, v);
-  Floats4 colours[kLanes], emission[kLanes];
-  colour(s, eight, u, v, colours);
-  if (s.emission != nullptr) look_up_lanes(*s.emission, u, v, count, emission);
+  Floats4 emission[kLanes];
+  find_colours(s, placed, begin, count, lights);
+  if (s.emission != nullptr) {
+    look_up_lanes(s, *s.emission, placed.emission, &PaintedGroup::emission, placed, begin, count,
+                  emission);
+  }
   for (int k = 0; k < count; ++k) {
-    const ptrdiff_t at = static_cast<ptrdiff_t>(begin + k) * s.light_step;
-    load(s.of_base + at, of_base);
-    load(s.own + at, own);
-    Floats4 light = of_base * colours[k] + own;
-    if (s.emission != nullptr) light += emitted * emission[k];
+    Floats4 of_base, own;
+    const float* numbers = s.light + kLightNumbers * placed.light[begin + k];
+    load(numbers, of_base);
+    load(numbers + 4, own);
+    Floats4 light = of_base * lights[k] + own;
+    if (s.emission != nullptr) {
+      Floats4 emitted;
+      load(s.emitted, emitted);
+      light += emitted * emission[k];
+    }
     lights[k] = light < white ? light : white;
   }
 }
 
 SIGHTLINE_MULTIVERSION
 void add_all(const PaintedSamples& s, float* sum) {
+  Placed placed;
+  const int count = place_all(s, placed);
   Floats4 total;
   load(sum, total);
-  for (int begin = 0; begin < s.count; begin += kLanes) {
+  for (int begin = 0; begin < count; begin += kLanes) {
     Floats4 lights[kLanes];
-    int count = 0;
-    light_eight(s, begin, count, lights);
-    for (int k = 0; k < count; ++k) total += lights[k];
+    const int now = std::min(kLanes, count - begin);
+    light_eight(s, placed, begin, now, lights);
+    for (int k = 0; k < now; ++k) total += lights[k];
   }
-  std::memcpy(sum, &total, sizeof(total));
+  store(total, sum);
 }
 
 SIGHTLINE_MULTIVERSION
 void paint_all_samples(const PaintedSamples& s, float* light) {
-  for (int begin = 0; begin < s.count; begin += kLanes) {
+  Placed placed;
+  const int count = place_all(s, placed);
+  for (int begin = 0; begin < count; begin += kLanes) {
     Floats4 lights[kLanes];
-    int count = 0;
-    light_eight(s, begin, count, lights);
-    std::memcpy(light + 4 * begin, lights, sizeof(Floats4) * static_cast<size_t>(count));
+    const int now = std::min(kLanes, count - begin);
+    light_eight(s, placed, begin, now, lights);
+    std::memcpy(light + 4 * begin, lights, sizeof(Floats4) * static_cast<size_t>(now));
   }
 }
 
+inline void read_one(const TexelMap& map, const TexelLevel& level, float u, float v,
+                     Floats4& rgba) {
+  Levels levels;
+  put_level(level, 0, levels);
+  Floats4 lanes[kLanes];
+  const auto texels = [&](int) { return level.texels; };
+  read_lanes(map, levels, texels, 0, Floats{} + u, Floats{} + v, 1, lanes);
+  rgba = lanes[0];
+}
+
 SIGHTLINE_MULTIVERSION
-void look_up_one(const TexelLookup& lookup, float u, float v, float* rgba) {
-  Floats4 texels[kLanes];
-  look_up_lanes(lookup, Floats{} + u, Floats{} + v, 1, texels);
-  std::memcpy(rgba, &texels[0], sizeof(texels[0]));
+void look_up_two(const TexelMap& map, const TexelLevel& fine, const TexelLevel& coarse, float share,
+                 float u, float v, float* rgba) {
+  Floats4 colour, smoother;
+  read_one(map, fine, u, v, colour);
+  if (share > 0) {
+    read_one(map, coarse, u, v, smoother);
+    colour = (1 - share) * colour + share * smoother;
+  }
+  if (map.is_weighed) take_alpha_out(colour);
+  store(colour, rgba);
 }
 
 }  // namespace
 
-void look_up(const TexelLookup& lookup, float u, float v, float* rgba) {
-  look_up_one(lookup, u, v, rgba);
+void look_up(const TexelMap& map, const TexelLevel& fine, const TexelLevel& coarse, float share,
+             float u, float v, float* rgba) {
+  look_up_two(map, fine, coarse, share, u, v, rgba);
 }
 
 void add_painted(const PaintedSamples& samples, float* sum) {
@@ -288,16 +385,14 @@ void paint_each(const PaintedSamples& samples, float* light) {
   paint_all_samples(samples, light);
 }
 
-void uv_of(const PaintedSamples& samples, float* u, float* v) {
-  for (int begin = 0; begin < samples.count; begin += kLanes) {
+void uv_of(const PaintedGroup& group, const float* x, const float* y, float* u, float* v) {
+  for (int i = 0; i < group.count; i += kLanes) {
     Eight eight;
-    find_eight(samples, begin, eight);
+    find_eight(group, x + i, y + i, eight);
     Floats all_u, all_v;
-    carry_uv(samples, eight, all_u, all_v);
-    for (int k = 0; k < eight.count; ++k) {
-      u[begin + k] = all_u[k];
-      v[begin + k] = all_v[k];
-    }
+    carry_uv(group, eight, all_u, all_v);
+    store(all_u, u + i);
+    store(all_v, v + i);
   }
 }
 

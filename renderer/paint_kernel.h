@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 //
 // The loops over a pixel's samples that look textures up, in plain arrays: compiled for several
-// levels of the processor (pose/multiversion.h), with the same numbers on each.
+// levels of the processor (pose/multiversion.h), with the same numbers on each. Samples of a pixel
+// lie together, those of one triangle (a group) beside each other: where the texture lies is found
+// group by group, and what it shows for all of them at once.
 #pragma once
 
 #include <cstddef>
@@ -17,6 +19,7 @@ struct TexelLevel {
   const uint16_t* texels = nullptr;
   int width = 0;
   int height = 0;
+  bool is_nearest = false;  ///< read as the texel that a point lies in, unblended
 
   static constexpr int kColumnBits = 3;
   static constexpr int kColumn = 1 << kColumnBits;
@@ -34,20 +37,18 @@ struct TexelLevel {
 /// What lies beyond the borders of a texture: Wrap, for files that must not include Eigen.
 enum class Border : uint8_t { kRepeat, kMirror, kClamp };
 
-/// How a texture is looked up: bilinear within a level and linear between two.
-struct TexelLookup {
-  TexelLevel fine;
-  TexelLevel coarse;         ///< read where towards_coarse > 0
-  float towards_coarse = 0;  ///< its share
-  bool is_nearest = false;   ///< the texel of `fine` that a point lies in, unblended
-  bool is_weighed = false;   ///< the levels' colours are factored by alpha; what comes out is not
+/// How a texture lies on a surface.
+struct TexelMap {
+  bool is_weighed = false;  ///< the levels' colours are factored by alpha; what comes out is not
   Border border_u = Border::kRepeat;
   Border border_v = Border::kRepeat;
   float from_uv[6] = {1, 0, 0, 0, 1, 0};  ///< two rows of three: the texture's coordinates
 };
 
-/// Linear red, green, blue and alpha at a point.
-void look_up(const TexelLookup& lookup, float u, float v, float* rgba);
+/// Linear red, green, blue and alpha at a point: bilinear within a level, and of two levels the
+/// mean, where `share` is the coarse one's. That one is not read where its share is 0.
+void look_up(const TexelMap& map, const TexelLevel& fine, const TexelLevel& coarse, float share,
+             float u, float v, float* rgba);
 
 /// A value that is linear over a triangle, as the image shows it: a ratio of linear functions of a
 /// sample's offset, `at` that of the group's anchor.
@@ -58,24 +59,33 @@ struct Carried {
 };
 
 /// Samples of one pixel that see the same triangle.
-struct PaintedSamples {
-  const float* x = nullptr;  ///< offsets from the anchor, px
-  const float* y = nullptr;
-  int count = 0;          ///< at most kMostSamples
-  float weight_by_x = 0;  ///< of the denominator, which is 1 at the anchor
-  float weight_by_y = 0;
+struct PaintedGroup {
+  int count = 0;
+  float anchor_x = 0, anchor_y = 0;        ///< where in the pixel, px
+  float weight_by_x = 0, weight_by_y = 0;  ///< of the denominator, which is 1 at the anchor
   Carried u, v;
   float least_u = 0, greatest_u = 0, least_v = 0, greatest_v = 0;
-  bool has_colours = false;
-  Carried colours[4];                     ///< of the corners: red, green, blue, alpha
-  const TexelLookup* base = nullptr;      ///< none: white
-  const TexelLookup* emission = nullptr;  ///< none: white
-  float emitted[4] = {0, 0, 0, 0};        ///< factors on it
-  /// Factors on the colour, and light that comes without it: four numbers a sample or, where
-  /// light_step is 0, for all.
-  const float* of_base = nullptr;
-  const float* own = nullptr;
-  int light_step = 0;
+  Carried colours[4];  ///< of the corners: red, green, blue, alpha
+  TexelLevel base, emission;
+};
+
+/// Numbers of a sample's light: four factors on the colour, and what comes without it.
+constexpr int kLightNumbers = 8;
+/// Arrays by samples are as much longer than there are samples.
+constexpr int kSpareSamples = 8;
+
+/// Samples of one pixel that see the same paint, at most 256.
+struct PaintedSamples {
+  const PaintedGroup* groups = nullptr;
+  int group_count = 0;
+  const float* x = nullptr;  ///< where in the pixel, px: the first group's samples, the second's...
+  const float* y = nullptr;
+  const float* light = nullptr;        ///< of the samples
+  bool has_light_each = false;         ///< else a group's first sample has that of all
+  bool has_colours = false;            ///< the corners' count
+  const TexelMap* base = nullptr;      ///< none: white
+  const TexelMap* emission = nullptr;  ///< none: white
+  const float* emitted = nullptr;      ///< four factors on it
 };
 
 /// Adds up the light of the samples, each clipped at white: red, green, blue and a fourth number.
@@ -84,7 +94,7 @@ void add_painted(const PaintedSamples& samples, float* sum);
 /// The light of each sample, clipped at white, and the fourth number: four numbers each.
 void paint_each(const PaintedSamples& samples, float* light);
 
-/// Texture coordinates of the samples.
-void uv_of(const PaintedSamples& samples, float* u, float* v);
+/// Texture coordinates of a group's samples, and of up to 7 more.
+void uv_of(const PaintedGroup& group, const float* x, const float* y, float* u, float* v);
 
 }  // namespace sightline

@@ -97,28 +97,31 @@ TexturePyramid::Level TexturePyramid::halved(Level& level) {
   return out;
 }
 
-TexelLookup TexturePyramid::lookup(const TextureRef& ref, float level) const {
-  TexelLookup lookup;
-  lookup.is_weighed = weighs_alpha_;
-  lookup.border_u = border_of(ref.wrap_u);
-  lookup.border_v = border_of(ref.wrap_v);
-  for (size_t i = 0; i < 6; ++i) lookup.from_uv[i] = static_cast<float>(ref.texture_from_uv[i]);
-  if (!(level > 0)) {
-    lookup.fine = levels_.front().view();
-    lookup.is_nearest = ref.is_nearest;
-    return lookup;
-  }
-  const float within = std::min(level, static_cast<float>(levels_.size() - 1));
-  const auto fine = static_cast<size_t>(within);
-  lookup.fine = levels_[fine].view();
-  lookup.towards_coarse = within - static_cast<float>(fine);
-  if (lookup.towards_coarse > 0) lookup.coarse = levels_[fine + 1].view();
-  return lookup;
+TexelMap TexturePyramid::map(const TextureRef& ref) const {
+  TexelMap map;
+  map.is_weighed = weighs_alpha_;
+  map.border_u = border_of(ref.wrap_u);
+  map.border_v = border_of(ref.wrap_v);
+  for (size_t i = 0; i < 6; ++i) map.from_uv[i] = static_cast<float>(ref.texture_from_uv[i]);
+  return map;
+}
+
+TexelLevel TexturePyramid::level(const TextureRef& ref, int level) const {
+  const int smallest = static_cast<int>(levels_.size()) - 1;
+  TexelLevel read = levels_[static_cast<size_t>(std::clamp(level, 0, smallest))].view();
+  read.is_nearest = level <= 0 && ref.is_nearest;
+  return read;
 }
 
 Eigen::Array4f TexturePyramid::at(const TextureRef& ref, float u, float v, float level) const {
+  const bool is_minified = level > 0;  // not where it is not a number
+  const float within = is_minified ? std::min(level, static_cast<float>(levels_.size() - 1)) : 0;
+  const int fine = static_cast<int>(within);
+  TexelLevel fine_level = this->level(ref, fine);
+  fine_level.is_nearest &= !is_minified;
   Eigen::Array4f rgba;
-  look_up(lookup(ref, level), u, v, rgba.data());
+  look_up(map(ref), fine_level, this->level(ref, fine + 1), within - static_cast<float>(fine), u, v,
+          rgba.data());
   return rgba;
 }
 

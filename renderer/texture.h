@@ -27,8 +27,10 @@ class TexturePyramid {
   /// linear between two; a level below 0 is magnified.
   Eigen::Array4f at(const TextureRef& ref, float u, float v, float level) const;
 
-  /// How the texture is looked up at a level.
-  TexelLookup lookup(const TextureRef& ref, float level) const;
+  /// How the texture lies on a surface.
+  TexelMap map(const TextureRef& ref) const;
+  /// A level to be read alone; those below 0 are the finest, magnified.
+  TexelLevel level(const TextureRef& ref, int level) const;
 
   int width() const { return levels_.front().width; }
   int height() const { return levels_.front().height; }
