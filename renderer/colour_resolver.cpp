@@ -34,6 +34,25 @@ int nearest_level(float squared) {
   return (static_cast<int>(std::bit_cast<uint32_t>(2 * squared) >> kMantissaBits) - kBias) >> 1;
 }
 
+// What four functions, linear in a ray, are at one, and their derivatives by the pixel.
+struct RayValues {
+  Eigen::Vector4d at;
+  Eigen::Matrix<double, 4, 2> by;
+
+  RayValues(const Eigen::Matrix<double, 4, 3>& linear, const Eigen::Vector3d& ray,
+            const Eigen::Matrix2d& per_pixel)
+      : at(linear * ray), by(linear.leftCols<2>() * per_pixel) {}
+
+  // Divided by a weight: by rows, Carried's three numbers.
+  Eigen::Matrix<float, 4, 3> over_weight(double per_weight,
+                                         const Eigen::RowVector2d& weight_by) const {
+    Eigen::Matrix<double, 4, 3> over;
+    over.col(0) = at * per_weight;
+    over.rightCols<2>() = (by - at * weight_by) * per_weight;
+    return over.cast<float>();
+  }
+};
+
 Carried carried(const Eigen::Matrix<float, 4, 3>& at_and_by, int row) {
   return {at_and_by(row, 0), at_and_by(row, 1), at_and_by(row, 2)};
 }
@@ -182,21 +201,12 @@ float ColourResolver::anchor(const Group& group, const SurfacePlane& plane, cons
   painted.count = group.count;
   painted.anchor_x = order_->x[static_cast<size_t>(group.begin)];
   painted.anchor_y = order_->y[static_cast<size_t>(group.begin)];
-  // The columns: what is there, and its derivatives by the pixel.
-  Eigen::Matrix<double, 4, 3> there;
-  const auto look = [&](const Eigen::Matrix<double, 4, 3>& linear, double per_weight) {
-    there.col(0) = linear * ray * per_weight;
-    there.rightCols<2>() = linear.leftCols<2>() * (per_pixel_ * per_weight);
-  };
-  look(plane.sum_and_uv, 1 / plane.sum_and_uv.row(0).dot(ray));
-  const Eigen::RowVector2d weight_by = there.rightCols<2>().row(0);
+  const RayValues sum_and_uv(plane.sum_and_uv, ray, per_pixel_);
+  const double per_weight = 1 / sum_and_uv.at[0];
+  const Eigen::RowVector2d weight_by = sum_and_uv.by.row(0) * per_weight;
   painted.weight_by_x = static_cast<float>(weight_by.x());
   painted.weight_by_y = static_cast<float>(weight_by.y());
-  const auto less_weight = [&]() -> Eigen::Matrix<float, 4, 3> {
-    there.rightCols<2>() -= there.col(0) * weight_by;
-    return there.cast<float>();
-  };
-  const Eigen::Matrix<float, 4, 3> uv = less_weight();
+  const Eigen::Matrix<float, 4, 3> uv = sum_and_uv.over_weight(per_weight, weight_by);
   painted.u = carried(uv, 1);
   painted.v = carried(uv, 2);
   painted.least_u = plane.least_uv.x();
@@ -204,8 +214,8 @@ float ColourResolver::anchor(const Group& group, const SurfacePlane& plane, cons
   painted.greatest_u = plane.greatest_uv.x();
   painted.greatest_v = plane.greatest_uv.y();
   if (paint.has_colours) {
-    look(plane.colours, 1 / plane.sum_and_uv.row(0).dot(ray));
-    const Eigen::Matrix<float, 4, 3> colours = less_weight();
+    const Eigen::Matrix<float, 4, 3> colours =
+        RayValues(plane.colours, ray, per_pixel_).over_weight(per_weight, weight_by);
     for (int c = 0; c < 4; ++c) painted.colours[c] = carried(colours, c);
   }
   if (!paint.has_texture) return 0;
