@@ -277,6 +277,15 @@ Eigen::Array4f ColourResolver::flat_light(const Group& group, const Surface& sur
       .min(1.0f);
 }
 
+void ColourResolver::add_flat(const Group& group, const Surface& surface,
+                              Eigen::Array4f& sum) const {
+  if (!surface.shader.has_detail()) {
+    sum += flat_light(group, surface, 0) * static_cast<float>(group.count);
+    return;
+  }
+  for (int i = 0; i < group.count; ++i) sum += flat_light(group, surface, i);
+}
+
 PaintedSamples ColourResolver::painted_run(const Surface& surface, const Group& first,
                                            size_t groups) const {
   const Paint& paint = surface.paint;
@@ -301,7 +310,7 @@ size_t ColourResolver::add_run(size_t first, Eigen::Array4f& sum) {
   const Surface surface = surface_of(group);
   light_group(group, surface, run_[0]);
   if (!surface.paint.is_painted) {
-    for (int i = 0; i < group.count; ++i) sum += flat_light(group, surface, i);
+    add_flat(group, surface, sum);
     return first + 1;
   }
   size_t end = first + 1;

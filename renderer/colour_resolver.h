@@ -86,6 +86,7 @@ class ColourResolver {
   float anchor(const Group& group, const SurfacePlane& plane, const Paint& paint,
                const Eigen::Vector3d& ray, PaintedGroup& painted) const;
   Eigen::Array4f flat_light(const Group& group, const Surface& surface, int sample) const;
+  void add_flat(const Group& group, const Surface& surface, Eigen::Array4f& sum) const;
   PaintedSamples painted_run(const Surface& surface, const Group& first, size_t groups) const;
   size_t add_run(size_t first, Eigen::Array4f& sum);
 

@@ -197,10 +197,7 @@ SurfacePlane ColourShader::plane_of(int triangle) const {
 SurfaceHit ColourShader::hit(const SurfacePlane& plane, int triangle,
                              const Eigen::Vector3d& ray) const {
   const SurfacePoint point = surface_point(triangle, plane.volumes * ray);
-  return {.triangle = triangle,
-          .weights = point.weights,
-          .ray = body_from_cam_ * ray,
-          .is_front = point.is_front};
+  return {.triangle = triangle, .weights = point.weights, .ray = ray, .is_front = point.is_front};
 }
 
 void ColourShader::find_colours() {
@@ -279,7 +276,7 @@ Eigen::Vector3d ColourShader::mesh_normal(const SurfaceHit& hit) const {
   // A back face is the inside of an open mesh: it is lit as a sheet of paper is.
   if (!hit.is_front) normal = -normal;
   const double length = normal.norm();
-  if (length > 0) normal /= length;
+  if (length > 0) normal *= 1 / length;
   return normal;
 }
 
@@ -354,7 +351,8 @@ ColourLight ColourShader::light_at(const SurfaceHit& hit, const Eigen::Vector2f&
   if (paint.material.is_unlit && !is_grey_) return {.of_base = Eigen::Array4f::Ones()};
   const Eigen::Vector3d normal = normal_at(hit, paint, uv, level);
   const bool wants_eye = !paint.is_dull || light_.specular > 0;
-  const Eigen::Vector3d to_eye = wants_eye ? -hit.ray.normalized() : Eigen::Vector3d(0, 0, 0);
+  const Eigen::Vector3d to_eye =
+      wants_eye ? -(body_from_cam_ * hit.ray).normalized() : Eigen::Vector3d(0, 0, 0);
   const Gloss gloss = paint.is_dull ? Gloss{} : gloss_at(paint, uv, level);
 
   ColourLight light;

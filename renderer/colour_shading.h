@@ -28,7 +28,7 @@ struct SurfacePlane {
 struct SurfaceHit {
   int triangle = 0;
   Eigen::Vector3d weights;  ///< of its corners, their sum 1 and none negative
-  Eigen::Vector3d ray;      ///< from the eye, in the body's frame, of any length
+  Eigen::Vector3d ray;      ///< from the eye, in the camera's frame, of any length
   bool is_front = true;     ///< seen from the side that its winding calls outside
 };
 
