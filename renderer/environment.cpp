@@ -55,21 +55,28 @@ cv::Vec3f as_texel(const Eigen::Array4d& light) {
                    static_cast<float>(light[0]));
 }
 
+// The largest whole number that is not greater; `value` is at least -1.
+int floor_of(float value) {
+  return static_cast<int>(value + 1) - 1;
+}
+
 // Bilinear; the columns close to a ring, and beyond a pole is the last row.
 Eigen::Array4f look_up(const cv::Mat& map, const PanoramaPlace& place) {
+  using Texel = Eigen::Map<const Eigen::Array3f>;  // blue, green, red
   const auto x = static_cast<float>(place.u * map.cols - 0.5);
   const auto y = static_cast<float>(place.v * map.rows - 0.5);
-  const int left = static_cast<int>(std::floor(x));
-  const int top = static_cast<int>(std::floor(y));
+  const int left = floor_of(x);
+  const int top = floor_of(y);
   const float right_share = x - static_cast<float>(left);
   const float low_share = y - static_cast<float>(top);
-  const int columns[] = {(left + map.cols) % map.cols, (left + 1) % map.cols};
-  const auto row_light = [&](int row) -> Eigen::Array4f {
+  const int columns[] = {left < 0 ? map.cols - 1 : left, left + 1 < map.cols ? left + 1 : 0};
+  const auto row_light = [&](int row) -> Eigen::Array3f {
     const cv::Vec3f* texels = map.ptr<cv::Vec3f>(std::clamp(row, 0, map.rows - 1));
-    return (1 - right_share) * as_light(texels[columns[0]]) +
-           right_share * as_light(texels[columns[1]]);
+    return (1 - right_share) * Texel(texels[columns[0]].val) +
+           right_share * Texel(texels[columns[1]].val);
   };
-  return (1 - low_share) * row_light(top) + low_share * row_light(top + 1);
+  const Eigen::Array3f light = (1 - low_share) * row_light(top) + low_share * row_light(top + 1);
+  return {light[2], light[1], light[0], 0};
 }
 
 // Means by solid angle.
