@@ -61,16 +61,18 @@ float clamped_at(const Carried& value, float least, float greatest) {
   return std::min(std::max(value.at, least), greatest);
 }
 
-// Light as PaintedGroup has it.
+// Light as PaintedSamples have it: alpha takes none.
 void put_light(const ColourLight& light, const Paint& paint, float* to) {
+  const Eigen::Array4f is_colour(1, 1, 1, 0);
+  const Eigen::Array4f is_alpha(0, 0, 0, 1);
   Eigen::Map<Eigen::Array4f> of_base(to);
+  of_base = (light.of_base * is_colour + is_alpha) * paint.factor;
   Eigen::Map<Eigen::Array4f> own(to + 4);
-  of_base = light.of_base;
-  of_base[3] = 1;  // of alpha, which takes no light
-  of_base *= paint.factor;
-  own = light.own;
-  if (paint.emissive == nullptr) own += paint.emitted;
-  own[3] = 0;
+  if (paint.emissive == nullptr) {
+    own = (light.own + paint.emitted) * is_colour;
+  } else {
+    own = light.own * is_colour;
+  }
 }
 
 }  // namespace
@@ -104,8 +106,6 @@ ColourResolver::ColourResolver(const std::vector<PlacedBody>& bodies, const Scen
       rest_(groups_.size()),
       light_(kLightNumbers * (groups_.size() + kSpareSamples)),
       run_(groups_.size()),
-      u_(groups_.size() + kSpareSamples),
-      v_(groups_.size() + kSpareSamples),
       layer_(groups_.size()) {
   for (Order* order : {&as_drawn_, &by_group_}) {
     order->sample.resize(groups_.size());
@@ -233,33 +233,35 @@ float ColourResolver::anchor(const Group& group, const SurfacePlane& plane, cons
   return paint.wants_level ? std::log2(squared) / 2 : 0;
 }
 
-// The light of each of the group's samples.
+// The light of each of the group's samples, the first of which is at `place` of its run.
 void ColourResolver::light_samples(const Group& group, const Surface& surface,
-                                   const SurfacePlane& plane, PaintedGroup& painted, float level,
+                                   const SurfacePlane& plane, size_t place, float level,
                                    float sky) {
-  const auto begin = static_cast<size_t>(group.begin);
-  if (surface.paint.wants_level) {
-    uv_of(painted, order_->x.data() + begin, order_->y.data() + begin, u_.data(), v_.data());
-  }
   for (size_t i = 0; i < static_cast<size_t>(group.count); ++i) {
-    const int sample = order_->sample[begin + i];
+    const size_t at = static_cast<size_t>(group.begin) + i;
+    const int sample = order_->sample[at];
     const SurfaceHit hit = surface.shader.hit(plane, surface.triangle, ray_of(sample));
-    const ColourLight light = surface.shader.light_at(hit, {u_[i], v_[i]}, level, sample, sky);
-    put_light(light, surface.paint, light_.data() + kLightNumbers * (begin + i));
+    const Eigen::Vector2f uv(placed_.u[place + i], placed_.v[place + i]);
+    const ColourLight light = surface.shader.light_at(hit, uv, level, sample, sky);
+    put_light(light, surface.paint, light_.data() + kLightNumbers * at);
   }
 }
 
-// Lights a group's samples, and says in `painted` how they see the paint.
-void ColourResolver::light_group(const Group& group, const Surface& surface,
-                                 PaintedGroup& painted) {
+// Lights a group's samples and, where they are painted, takes them into the run.
+void ColourResolver::light_group(const Group& group, const Surface& surface, PaintedSamples& run) {
   const SurfacePlane& plane = plane_of(group.id, surface);
   const Eigen::Vector3d ray = ray_of(first_sample(group));
-  const float level =
-      surface.paint.is_painted ? anchor(group, plane, surface.paint, ray, painted) : 0;
+  const auto place = static_cast<size_t>(run.count);
+  PaintedGroup& painted = run_[static_cast<size_t>(run.group_count)];
+  float level = 0;
+  if (surface.paint.is_painted) {
+    level = anchor(group, plane, surface.paint, ray, painted);
+    place_group(run);
+  }
   const SurfaceHit hit = surface.shader.hit(plane, surface.triangle, ray);
   const float sky = surface.shader.sky_share(hit);
   if (surface.shader.has_detail()) {
-    light_samples(group, surface, plane, painted, level, sky);
+    light_samples(group, surface, plane, place, level, sky);
     return;
   }
   const Eigen::Vector2f uv(clamped_at(painted.u, painted.least_u, painted.greatest_u),
@@ -286,21 +288,21 @@ void ColourResolver::add_flat(const Group& group, const Surface& surface,
   for (int i = 0; i < group.count; ++i) sum += flat_light(group, surface, i);
 }
 
-PaintedSamples ColourResolver::painted_run(const Surface& surface, const Group& first,
-                                           size_t groups) const {
+// That begins with a group's samples.
+PaintedSamples ColourResolver::empty_run(const Surface& surface, const Group& first) {
   const Paint& paint = surface.paint;
-  PaintedSamples samples;
-  samples.groups = run_.data();
-  samples.group_count = static_cast<int>(groups);
-  samples.x = order_->x.data() + first.begin;
-  samples.y = order_->y.data() + first.begin;
-  samples.light = light_.data() + kLightNumbers * static_cast<size_t>(first.begin);
-  samples.has_light_each = surface.shader.has_detail();
-  samples.has_colours = paint.has_colours;
-  if (paint.base != nullptr) samples.base = &paint.base_map;
-  if (paint.emissive != nullptr) samples.emission = &paint.emissive_map;
-  samples.emitted = paint.emitted.data();
-  return samples;
+  PaintedSamples run;
+  run.groups = run_.data();
+  run.x = order_->x.data() + first.begin;
+  run.y = order_->y.data() + first.begin;
+  run.light = light_.data() + kLightNumbers * static_cast<size_t>(first.begin);
+  run.has_light_each = surface.shader.has_detail();
+  run.has_colours = paint.has_colours;
+  if (paint.base != nullptr) run.base = &paint.base_map;
+  if (paint.emissive != nullptr) run.emission = &paint.emissive_map;
+  run.emitted = paint.emitted.data();
+  run.placed = &placed_;
+  return run;
 }
 
 // Adds the light of a group's samples and, if it is painted, of those after it that see the same
@@ -308,7 +310,8 @@ PaintedSamples ColourResolver::painted_run(const Surface& surface, const Group& 
 size_t ColourResolver::add_run(size_t first, Eigen::Array4f& sum) {
   const Group& group = groups_[first];
   const Surface surface = surface_of(group);
-  light_group(group, surface, run_[0]);
+  PaintedSamples run = empty_run(surface, group);
+  light_group(group, surface, run);
   if (!surface.paint.is_painted) {
     add_flat(group, surface, sum);
     return first + 1;
@@ -317,9 +320,9 @@ size_t ColourResolver::add_run(size_t first, Eigen::Array4f& sum) {
   for (; end < known_ && groups_[end].id != 0; ++end) {
     const Surface next = surface_of(groups_[end]);
     if (&next.paint != &surface.paint) break;
-    light_group(groups_[end], next, run_[end - first]);
+    light_group(groups_[end], next, run);
   }
-  add_painted(painted_run(surface, group, end - first), sum.data());
+  add_painted(run, sum.data());
   return end;
 }
 
@@ -338,8 +341,9 @@ bool ColourResolver::add_layer(int x, int y, const uint32_t* ids, float* nearnes
     if (seen.id == 0) continue;
     const Surface surface = surface_of(seen);
     const Paint& paint = surface.paint;
-    light_group(seen, surface, run_[0]);
-    if (paint.is_painted) paint_each(painted_run(surface, seen, 1), layer_.front().data());
+    PaintedSamples run = empty_run(surface, seen);
+    light_group(seen, surface, run);
+    if (paint.is_painted) paint_each(run, layer_.front().data());
     for (int i = 0; i < seen.count; ++i) {
       const int k = order_->sample[static_cast<size_t>(seen.begin + i)];
       const Eigen::Array4f light =

@@ -80,14 +80,14 @@ class ColourResolver {
   Eigen::Vector3d ray_of(int sample) const;
   Surface surface_of(const Group& group) const;
   const SurfacePlane& plane_of(uint32_t id, const Surface& surface);
-  void light_group(const Group& group, const Surface& surface, PaintedGroup& painted);
+  void light_group(const Group& group, const Surface& surface, PaintedSamples& run);
   void light_samples(const Group& group, const Surface& surface, const SurfacePlane& plane,
-                     PaintedGroup& painted, float level, float sky);
+                     size_t place, float level, float sky);
   float anchor(const Group& group, const SurfacePlane& plane, const Paint& paint,
                const Eigen::Vector3d& ray, PaintedGroup& painted) const;
   Eigen::Array4f flat_light(const Group& group, const Surface& surface, int sample) const;
   void add_flat(const Group& group, const Surface& surface, Eigen::Array4f& sum) const;
-  PaintedSamples painted_run(const Surface& surface, const Group& first, size_t groups) const;
+  PaintedSamples empty_run(const Surface& surface, const Group& first);
   size_t add_run(size_t first, Eigen::Array4f& sum);
 
   const std::vector<PlacedBody>& bodies_;
@@ -105,7 +105,7 @@ class ColourResolver {
   std::vector<int> rest_;              // samples whose groups are not yet known
   std::vector<float> light_;           // of each group's samples, as PaintedGroup has it
   std::vector<PaintedGroup> run_;      // groups of one paint, one after the other
-  std::vector<float> u_, v_;           // of the samples of the group that is lit
+  PlacedSamples placed_;               // of those
   std::vector<Eigen::Array4f> layer_;  // of a group's samples: light and alpha
 };
 

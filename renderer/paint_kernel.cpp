@@ -22,7 +22,6 @@ using Codes = uint16_t __attribute__((vector_size(16)));
 // One.
 using Floats4 = float __attribute__((vector_size(16)));
 
-constexpr int kMostSamples = 256;
 constexpr float kOfCode = 1.0f / 65535;
 constexpr float kFarOut = 1e9f;  // fits an integer
 
@@ -93,12 +92,7 @@ inline void rows_to_numbers(Ints& rows) {
   rows = rows * (4 * TexelLevel::kColumn);
 }
 
-// The sizes of the levels that samples read.
-struct Levels {
-  int32_t width[kMostSamples + kSpareSamples];
-  int32_t height[kMostSamples + kSpareSamples];
-  float blend[kMostSamples + kSpareSamples];
-};
+using Levels = PlacedSamples::Levels;
 
 template <typename Vector, typename Number>
 inline void load(const Number* from, Vector& vector) {
@@ -111,9 +105,9 @@ inline void store(const Vector& vector, Number* to) {
 }
 
 inline void put_level(const TexelLevel& level, int begin, Levels& levels) {
-  store(Ints{} + level.width, levels.width + begin);
-  store(Ints{} + level.height, levels.height + begin);
-  store(Floats{} + (level.is_nearest ? 0.0f : 1.0f), levels.blend + begin);
+  store(Ints{} + level.width, levels.width.data() + begin);
+  store(Ints{} + level.height, levels.height.data() + begin);
+  store(Floats{} + (level.is_nearest ? 0.0f : 1.0f), levels.blend.data() + begin);
 }
 
 // Where the four texels about each of eight points lie in their levels, and how much each counts.
@@ -131,9 +125,9 @@ inline void find_corners(const TexelMap& map, const Levels& levels, int begin, c
   wrap_all(down, map.border_v);
   Ints width, height;
   Floats blend;
-  load(levels.width + begin, width);
-  load(levels.height + begin, height);
-  load(levels.blend + begin, blend);
+  load(levels.width.data() + begin, width);
+  load(levels.height.data() + begin, height);
+  load(levels.blend.data() + begin, blend);
   Place columns, rows;
   find_places(across, width, blend, map.border_u, columns);
   find_places(down, height, blend, map.border_v, rows);
@@ -219,95 +213,78 @@ inline void carry_uv(const PaintedGroup& group, const Eight& eight, Floats& u, F
   carry(group.v, eight, group.least_v, group.greatest_v, v);
 }
 
-// What is known of each sample before textures are looked up.
-struct Placed {
-  float u[kMostSamples + kSpareSamples];
-  float v[kMostSamples + kSpareSamples];
-  float colours[4][kMostSamples + kSpareSamples];
-  int32_t group[kMostSamples + kSpareSamples];
-  int32_t light[kMostSamples + kSpareSamples];  // whose light it has: a sample's
-  Levels base, emission;
-};
-
 // Eights at a time: what is written beyond a group's end is the next one's to write again.
-inline void place_group(const PaintedSamples& s, int index, int first, Placed& placed) {
-  const PaintedGroup& group = s.groups[index];
+SIGHTLINE_MULTIVERSION
+void place_all(PaintedSamples& s) {
+  const PaintedGroup& group = s.groups[s.group_count];
+  PlacedSamples& placed = *s.placed;
   const Ints counting = {0, 1, 2, 3, 4, 5, 6, 7};
   const int light_step = s.has_light_each ? 1 : 0;
   for (int i = 0; i < group.count; i += kLanes) {
-    const int begin = first + i;
+    const int begin = s.count + i;
     Eight eight;
     find_eight(group, s.x + begin, s.y + begin, eight);
     Floats u, v;
     carry_uv(group, eight, u, v);
-    store(u, placed.u + begin);
-    store(v, placed.v + begin);
+    store(u, placed.u.data() + begin);
+    store(v, placed.v.data() + begin);
     if (s.base != nullptr) put_level(group.base, begin, placed.base);
     if (s.emission != nullptr) put_level(group.emission, begin, placed.emission);
-    store(Ints{} + index, placed.group + begin);
-    store(first + (i + counting) * light_step, placed.light + begin);
+    store(Ints{} + s.group_count, placed.group.data() + begin);
+    store(s.count + (i + counting) * light_step, placed.light.data() + begin);
     if (!s.has_colours) continue;
-    for (int c = 0; c < 4; ++c) {
+    for (size_t c = 0; c < 4; ++c) {
       Floats values;
       carry(group.colours[c], eight, 0, 1, values);
-      store(values, placed.colours[c] + begin);
+      store(values, placed.colours[c].data() + begin);
     }
   }
-}
-
-// How many samples there are. The last eight are whole.
-inline int place_all(const PaintedSamples& s, Placed& placed) {
-  int count = 0;
-  for (int g = 0; g < s.group_count; ++g) {
-    place_group(s, g, count, placed);
-    count += s.groups[g].count;
-  }
-  store(Floats{}, placed.u + count);
-  store(Floats{}, placed.v + count);
-  put_level({}, count, placed.base);
-  put_level({}, count, placed.emission);
-  return count;
+  s.count += group.count;
+  ++s.group_count;
 }
 
 inline void look_up_lanes(const PaintedSamples& s, const TexelMap& map, const Levels& levels,
-                          TexelLevel PaintedGroup::*level, const Placed& placed, int begin,
-                          int count, Floats4 (&rgba)[kLanes]) {
+                          TexelLevel PaintedGroup::*level, int begin, int count,
+                          Floats4 (&rgba)[kLanes]) {
   Floats u, v;
-  load(placed.u + begin, u);
-  load(placed.v + begin, v);
-  const auto texels = [&](int k) { return (s.groups[placed.group[begin + k]].*level).texels; };
+  load(s.placed->u.data() + begin, u);
+  load(s.placed->v.data() + begin, v);
+  const auto texels = [&](int k) {
+    return (s.groups[s.placed->group[static_cast<size_t>(begin + k)]].*level).texels;
+  };
   read_lanes(map, levels, texels, begin, u, v, count, rgba);
   if (!map.is_weighed) return;
   for (int k = 0; k < count; ++k) take_alpha_out(rgba[k]);
 }
 
 // The base colour without its factor.
-inline void find_colours(const PaintedSamples& s, const Placed& placed, int begin, int count,
+inline void find_colours(const PaintedSamples& s, int begin, int count,
                          Floats4 (&colours)[kLanes]) {
   if (s.base != nullptr) {
-    look_up_lanes(s, *s.base, placed.base, &PaintedGroup::base, placed, begin, count, colours);
+    look_up_lanes(s, *s.base, s.placed->base, &PaintedGroup::base, begin, count, colours);
   } else {
     for (Floats4& white : colours) white = Floats4{1, 1, 1, 1};
   }
   if (!s.has_colours) return;
   for (int c = 0; c < 4; ++c) {
-    for (int k = 0; k < count; ++k) colours[k][c] *= placed.colours[c][begin + k];
+    const float* of_corners = s.placed->colours[static_cast<size_t>(c)].data() + begin;
+    for (int k = 0; k < count; ++k) colours[k][c] *= of_corners[k];
   }
 }
 
 // Finds the light of eight samples, clipped at white.
-inline void light_eight(const PaintedSamples& s, const Placed& placed, int begin, int count,
-                        Floats4 (&lights)[kLanes]) {
+inline void light_eight(const PaintedSamples& s, int begin, int count, Floats4 (&lights)[kLanes]) {
   const Floats4 white = {1, 1, 1, 1};
   Floats4 emission[kLanes];
-  find_colours(s, placed, begin, count, lights);
+  find_colours(s, begin, count, lights);
   if (s.emission != nullptr) {
-    look_up_lanes(s, *s.emission, placed.emission, &PaintedGroup::emission, placed, begin, count,
+    look_up_lanes(s, *s.emission, s.placed->emission, &PaintedGroup::emission, begin, count,
                   emission);
   }
   for (int k = 0; k < count; ++k) {
     Floats4 of_base, own;
-    const float* numbers = s.light + kLightNumbers * placed.light[begin + k];
+    const float* numbers =
+        s.light + kLightNumbers * s.placed->light[static_cast<size_t>(begin + k)];
     load(numbers, of_base);
     load(numbers + 4, own);
     Floats4 light = of_base * lights[k] + own;
@@ -322,14 +299,12 @@ inline void light_eight(const PaintedSamples& s, const Placed& placed, int begin
 
 SIGHTLINE_MULTIVERSION
 void add_all(const PaintedSamples& s, float* sum) {
-  Placed placed;
-  const int count = place_all(s, placed);
   Floats4 total;
   load(sum, total);
-  for (int begin = 0; begin < count; begin += kLanes) {
+  for (int begin = 0; begin < s.count; begin += kLanes) {
     Floats4 lights[kLanes];
-    const int now = std::min(kLanes, count - begin);
-    light_eight(s, placed, begin, now, lights);
+    const int now = std::min(kLanes, s.count - begin);
+    light_eight(s, begin, now, lights);
     for (int k = 0; k < now; ++k) total += lights[k];
   }
   store(total, sum);
@@ -337,12 +312,10 @@ void add_all(const PaintedSamples& s, float* sum) {
 
 SIGHTLINE_MULTIVERSION
 void paint_all_samples(const PaintedSamples& s, float* light) {
-  Placed placed;
-  const int count = place_all(s, placed);
-  for (int begin = 0; begin < count; begin += kLanes) {
+  for (int begin = 0; begin < s.count; begin += kLanes) {
     Floats4 lights[kLanes];
-    const int now = std::min(kLanes, count - begin);
-    light_eight(s, placed, begin, now, lights);
+    const int now = std::min(kLanes, s.count - begin);
+    light_eight(s, begin, now, lights);
     std::memcpy(light + 4 * begin, lights, sizeof(Floats4) * static_cast<size_t>(now));
   }
 }
@@ -377,23 +350,16 @@ void look_up(const TexelMap& map, const TexelLevel& fine, const TexelLevel& coar
   look_up_two(map, fine, coarse, share, u, v, rgba);
 }
 
+void place_group(PaintedSamples& samples) {
+  place_all(samples);
+}
+
 void add_painted(const PaintedSamples& samples, float* sum) {
   add_all(samples, sum);
 }
 
 void paint_each(const PaintedSamples& samples, float* light) {
   paint_all_samples(samples, light);
-}
-
-void uv_of(const PaintedGroup& group, const float* x, const float* y, float* u, float* v) {
-  for (int i = 0; i < group.count; i += kLanes) {
-    Eight eight;
-    find_eight(group, x + i, y + i, eight);
-    Floats all_u, all_v;
-    carry_uv(group, eight, all_u, all_v);
-    store(all_u, u + i);
-    store(all_v, v + i);
-  }
 }
 
 }  // namespace sightline

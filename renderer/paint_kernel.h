@@ -7,6 +7,7 @@
 // group by group, and what it shows for all of them at once.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -73,11 +74,32 @@ struct PaintedGroup {
 constexpr int kLightNumbers = 8;
 /// Arrays by samples are as much longer than there are samples.
 constexpr int kSpareSamples = 8;
+constexpr int kMostSamples = 256;
 
-/// Samples of one pixel that see the same paint, at most 256.
+/// Something of each sample; what is beyond them is anything.
+template <typename Number>
+using BySample = std::array<Number, kMostSamples + kSpareSamples>;
+
+/// What is known of samples before textures are looked up.
+struct PlacedSamples {
+  /// The sizes of the levels that samples read, and 1 where they blend texels.
+  struct Levels {
+    BySample<int32_t> width{}, height{};
+    BySample<float> blend{};
+  };
+
+  BySample<float> u{}, v{};  ///< of the corners
+  std::array<BySample<float>, 4> colours{};
+  BySample<int32_t> group{};
+  BySample<int32_t> light{};  ///< whose light it has: a sample's
+  Levels base, emission;
+};
+
+/// Samples of one pixel that see the same paint, group by group.
 struct PaintedSamples {
   const PaintedGroup* groups = nullptr;
   int group_count = 0;
+  int count = 0;             ///< of samples
   const float* x = nullptr;  ///< where in the pixel, px: the first group's samples, the second's...
   const float* y = nullptr;
   const float* light = nullptr;        ///< of the samples
@@ -86,15 +108,17 @@ struct PaintedSamples {
   const TexelMap* base = nullptr;      ///< none: white
   const TexelMap* emission = nullptr;  ///< none: white
   const float* emitted = nullptr;      ///< four factors on it
+  PlacedSamples* placed = nullptr;
 };
+
+/// Takes the next of the groups in: finds where its samples see the texture. The sooner before they
+/// are lit the better: what has just been written piece by piece, a processor cannot read at once.
+void place_group(PaintedSamples& samples);
 
 /// Adds up the light of the samples, each clipped at white: red, green, blue and a fourth number.
 void add_painted(const PaintedSamples& samples, float* sum);
 
 /// The light of each sample, clipped at white, and the fourth number: four numbers each.
 void paint_each(const PaintedSamples& samples, float* light);
-
-/// Texture coordinates of a group's samples, and of up to 7 more.
-void uv_of(const PaintedGroup& group, const float* x, const float* y, float* u, float* v);
 
 }  // namespace sightline
