@@ -66,6 +66,16 @@ int uv_set_of(const tinygltf::TextureInfo& info) {
                               : static_cast<int>(number_of(*transform, "texCoord", info.texCoord));
 }
 
+// The same by another type.
+template <typename Info>
+tinygltf::TextureInfo info_of(const Info& special) {
+  tinygltf::TextureInfo info;
+  info.index = special.index;
+  info.texCoord = special.texCoord;
+  info.extensions = special.extensions;
+  return info;
+}
+
 // The base colour texture of the model that came before metallic-roughness, as that one has it.
 tinygltf::TextureInfo diffuse_texture(const tinygltf::Value& specular_glossiness) {
   tinygltf::TextureInfo info;
@@ -115,7 +125,7 @@ int GltfMaterials::uv_set(int index) const {
   const tinygltf::Material& from = model_.materials[index];
   for (const tinygltf::TextureInfo& info :
        {base_texture_of(from), from.pbrMetallicRoughness.metallicRoughnessTexture,
-        from.emissiveTexture}) {
+        from.emissiveTexture, info_of(from.normalTexture), info_of(from.occlusionTexture)}) {
     if (info.index >= 0) return uv_set_of(info);
   }
   return 0;
@@ -169,16 +179,15 @@ Material GltfMaterials::material(int index) const {
                   : from.alphaMode == "BLEND" ? AlphaMode::kBlend
                                               : AlphaMode::kOpaque;
   to.alpha_cutoff = std::max(0.0, std::min(from.alphaCutoff, 1e6));
+  to.is_two_sided = from.doubleSided;
   const int set = uv_set(index);
   to.base_texture = reference(base_texture_of(from), set, true);
   to.gloss_texture = reference(pbr.metallicRoughnessTexture, set, false);
   to.emissive_texture = reference(from.emissiveTexture, set, true);
-  tinygltf::TextureInfo normal;  // the same by another type
-  normal.index = from.normalTexture.index;
-  normal.texCoord = from.normalTexture.texCoord;
-  normal.extensions = from.normalTexture.extensions;
-  to.normal_texture = reference(normal, set, false);
+  to.normal_texture = reference(info_of(from.normalTexture), set, false);
   to.normal_scale = std::clamp(from.normalTexture.scale, -1e3, 1e3);
+  to.occlusion_texture = reference(info_of(from.occlusionTexture), set, false);
+  to.occlusion_strength = within_unit(from.occlusionTexture.strength);
   return to;
 }
 

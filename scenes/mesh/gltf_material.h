@@ -14,11 +14,11 @@ namespace sightline {
 
 /// Turns the materials of a glTF file into ours, and its images into textures.
 ///
-/// Read are the metallic-roughness model with base colour, metallic-roughness and emissive texture,
-/// samplers, alpha modes, and the extensions KHR_materials_unlit, KHR_materials_emissive_strength,
-/// KHR_texture_transform, EXT_texture_webp and the diffuse half of
-/// KHR_materials_pbrSpecularGlossiness. The images' bytes must be in the model as they are in their
-/// files.
+/// Read are the metallic-roughness model with base colour, metallic-roughness, emissive, normal and
+/// occlusion texture, samplers, alpha modes, double-sidedness, and the extensions
+/// KHR_materials_unlit, KHR_materials_emissive_strength, KHR_texture_transform, EXT_texture_webp
+/// and the diffuse half of KHR_materials_pbrSpecularGlossiness. The images' bytes must be in the
+/// model as they are in their files.
 class GltfMaterials {
  public:
   GltfMaterials(const tinygltf::Model& model, TextureShelf& shelf) : model_(model), shelf_(shelf) {}

@@ -49,9 +49,11 @@ LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame =
 
 /// Writes a .glb with tinygltf, one node and material a part that has triangles, in glTF's own
 /// frame (y up, z forward): read it back with MeshFrame{"+z", "+y", 1}. Of a material its factors
-/// are written and the texture of its base colour, opaque and within the file; what else it has of
-/// textures, and the corners' colours, are lost. Where it has one, all the mesh's pictures are in
-/// the file. The same mesh gives the same bytes. Throws InputError when the file cannot be written.
+/// are written, its sides, and the textures of its base colour, opaque, and of its occlusion,
+/// within the file; what else it has of textures, an occlusion that lies otherwise than the colour,
+/// and the corners' colours are lost. A part without a material is there from both sides. Where it
+/// has a texture, all the mesh's pictures are in the file. The same mesh gives the same bytes.
+/// Throws InputError when the file cannot be written.
 void write_glb(const Mesh& mesh, const std::filesystem::path& file);
 
 }  // namespace sightline

@@ -70,11 +70,14 @@ void append(std::string& bytes, const Material& material) {
   append(bytes, material.emissive);
   append(bytes, static_cast<uint8_t>(material.alpha_mode));
   append(bytes, material.alpha_cutoff);
+  append(bytes, static_cast<uint8_t>(material.is_two_sided));
   append(bytes, material.normal_scale);
+  append(bytes, material.occlusion_strength);
   append(bytes, material.base_texture);
   append(bytes, material.gloss_texture);
   append(bytes, material.emissive_texture);
   append(bytes, material.normal_texture);
+  append(bytes, material.occlusion_texture);
 }
 
 bool has_surface(const MeshSoup& soup) {
@@ -344,7 +347,9 @@ class Decoder {
     for (double& channel : out.emissive) channel = number_within(0, kLargestEmission);
     out.alpha_mode = choice(AlphaMode::kBlend);
     out.alpha_cutoff = number_within(0, 1e6);
+    out.is_two_sided = number<uint8_t>() != 0;
     out.normal_scale = number_within(-1e3, 1e3);
+    out.occlusion_strength = number_within(0, 1);
     for (TextureRef* ref : out.textures()) {
       *ref = reference(textures);
     }

@@ -128,6 +128,36 @@ TEST_F(GltfMaterial, AnImageThatIsLostIsNamedAndTheRestIsThere) {
               ElementsAre(HasSubstr("missing")));
 }
 
+TEST_F(GltfMaterial, BothSidesAreThereWhereTheFileSaysSo) {
+  EXPECT_FALSE(mesh(kPainted).parts[0].material->is_two_sided);
+  EXPECT_TRUE(mesh(R"({"doubleSided": true})").parts[0].material->is_two_sided);
+}
+
+TEST_F(GltfMaterial, AnOcclusionTextureIsLinearAndCheckedAsTheOthers) {
+  constexpr const char* kShaded = R"({"occlusionTexture": {"index": 0, "strength": 0.25}})";
+  const Mesh shaded = mesh(kShaded);
+  const Material& material = *shaded.parts[0].material;
+  ASSERT_TRUE(material.occlusion_texture.is_there());
+  EXPECT_EQ(material.occlusion_strength, 0.25);
+  EXPECT_FALSE(shaded.textures[material.occlusion_texture.texture]->is_srgb);
+  folder_.write("garbage.png", "no picture at all");
+  EXPECT_THAT(mesh(kShaded, "", "garbage.png").lost_textures, ElementsAre(HasSubstr("garbage")));
+}
+
+TEST_F(GltfMaterial, WhatIsWrittenHasItsSidesAndItsOcclusionAgain) {
+  Mesh shaded = mesh(R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+    "occlusionTexture": {"index": 0, "strength": 0.5}, "doubleSided": true})");
+  const auto file = folder_.path() / "written.glb";
+  write_glb(shaded, file);
+  const Material both = *read_mesh(file).mesh.parts[0].material;
+  EXPECT_TRUE(both.is_two_sided);
+  EXPECT_TRUE(both.occlusion_texture.is_there());
+  EXPECT_EQ(both.occlusion_strength, 0.5);
+  shaded.parts[0].material->is_two_sided = false;
+  write_glb(shaded, file);
+  EXPECT_FALSE(read_mesh(file).mesh.parts[0].material->is_two_sided);
+}
+
 TEST_F(GltfMaterial, OursAreDullWhereTheySaySoAndWhatHasNoMaterialIsWhite) {
   constexpr const char* kDull =
       R"({"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 1}})";

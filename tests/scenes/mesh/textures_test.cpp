@@ -193,6 +193,9 @@ MeshSoup painted_triangle() {
   material.base_texture.texture = 0;
   material.base_texture.wrap_v = Wrap::kMirror;
   material.base_texture.texture_from_uv[2] = 7;
+  material.is_two_sided = false;
+  material.occlusion_texture.texture = 0;
+  material.occlusion_strength = 0.25;
   soup.parts = {{"label", 0.5, material}};
   soup.has_coats = true;
   soup.textures = {{"label.png", 2, 1, true, {1, 2, 3, 4, 5, 6, 7, 8}}};
@@ -207,6 +210,9 @@ TEST(MeshSurface, CrossesAsBytes) {
   ASSERT_TRUE(back.parts[0].material);
   EXPECT_EQ(back.parts[0].material->emissive[0], 3);
   EXPECT_EQ(back.parts[0].material->base_texture.wrap_v, Wrap::kMirror);
+  EXPECT_FALSE(back.parts[0].material->is_two_sided);
+  EXPECT_EQ(back.parts[0].material->occlusion_texture.texture, 0);
+  EXPECT_EQ(back.parts[0].material->occlusion_strength, 0.25);
   EXPECT_EQ(back.coats[0].uv[1], soup.coats[0].uv[1]);
   EXPECT_EQ(back.textures[0].rgba, soup.textures[0].rgba);
   EXPECT_EQ(back.lost_textures, soup.lost_textures);
