@@ -12,6 +12,9 @@
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
+#include "scenes/mesh/gltf_accessor.h"
+#include "scenes/mesh/gltf_uri.h"
+
 namespace sightline {
 namespace {
 
@@ -34,10 +37,6 @@ double number_of(const tinygltf::Value& object, const char* key, size_t i, doubl
 const tinygltf::Value* extension(const tinygltf::ExtensionMap& extensions, const char* name) {
   const auto found = extensions.find(name);
   return found == extensions.end() ? nullptr : &found->second;
-}
-
-double within_unit(double value) {
-  return value > 0 ? std::min(value, 1.0) : 0.0;
 }
 
 Wrap wrap_of(int gltf) {
@@ -119,6 +118,30 @@ void set_emission(const tinygltf::Material& from, Material& to) {
   }
 }
 
+// The image of a texture; -1 where it has none that is read.
+int source_of(const tinygltf::Texture& texture) {
+  const auto* webp = extension(texture.extensions, "EXT_texture_webp");
+  return webp == nullptr ? texture.source
+                         : static_cast<int>(number_of(*webp, "source", texture.source));
+}
+
+std::string name_of(const tinygltf::Image& image, int index) {
+  if (!image.uri.empty()) return path_of_uri(image.uri);
+  return image.name.empty() ? fmt::format("(image {})", index)
+                            : fmt::format("{} (image {})", image.name, index);
+}
+
+// Why a texture without an image that is read has none.
+std::string why_no_image(const tinygltf::Texture& texture) {
+  if (texture.extensions.empty()) return "names no image of the file";
+  const std::string& extension = texture.extensions.begin()->first;
+  const char* const format = extension == "KHR_texture_basisu" ? "KTX 2, "
+                             : extension == "MSFT_texture_dds" ? "DDS, "
+                             : extension == "EXT_texture_avif" ? "AVIF, "
+                                                               : "";
+  return fmt::format("is in a format that is not read ({}{})", format, extension);
+}
+
 }  // namespace
 
 int GltfMaterials::uv_set(int index) const {
@@ -131,28 +154,30 @@ int GltfMaterials::uv_set(int index) const {
   return 0;
 }
 
-TextureRef GltfMaterials::reference(const tinygltf::TextureInfo& info, int uv_set,
-                                    bool is_srgb) const {
+TextureRef GltfMaterials::reference(int material, const char* what,
+                                    const tinygltf::TextureInfo& info, bool is_srgb) {
   TextureRef ref;
-  const bool is_there = info.index >= 0 && info.index < static_cast<int>(model_.textures.size()) &&
-                        uv_set_of(info) == uv_set;
-  if (!is_there) return ref;
+  if (info.index < 0) return ref;
+  const std::string& name = model_.materials[material].name;
+  const std::string whose = name.empty() ? fmt::format("material {}", material) : name;
+  if (info.index >= static_cast<int>(model_.textures.size())) {
+    fail_gltf(file_, fmt::format("the {} texture of {} is number {}, but it has {}", what, whose,
+                                 info.index, model_.textures.size()));
+  }
+  if (uv_set_of(info) != uv_set(material)) {
+    left_out_.insert(fmt::format("the {} texture of {}", what, whose));
+    return ref;
+  }
   const tinygltf::Texture& texture = model_.textures[info.index];
-  int source = texture.source;
-  if (const auto* webp = extension(texture.extensions, "EXT_texture_webp")) {
-    source = static_cast<int>(number_of(*webp, "source", source));
-  }
-  const bool has_image = source >= 0 && source < static_cast<int>(model_.images.size());
-  std::string name = fmt::format("number {}", info.index);
-  std::string_view bytes;
-  if (has_image) {
+  const int source = source_of(texture);
+  if (source >= 0 && source < static_cast<int>(model_.images.size())) {
     const tinygltf::Image& image = model_.images[source];
-    bytes = {reinterpret_cast<const char*>(image.image.data()), image.image.size()};
-    name = !image.uri.empty()    ? image.uri
-           : !image.name.empty() ? fmt::format("{} (image {})", image.name, source)
-                                 : fmt::format("(image {})", source);
+    ref.texture =
+        shelf_.from_bytes({reinterpret_cast<const char*>(image.image.data()), image.image.size()},
+                          name_of(image, source), is_srgb);
+  } else {
+    ref.texture = shelf_.lose(fmt::format("number {}", info.index), why_no_image(texture));
   }
-  ref.texture = shelf_.from_bytes(bytes, name, is_srgb);
   if (const tinygltf::Value* transform = transform_extension(info)) {
     ref.texture_from_uv = transform_of(*transform);
   }
@@ -165,7 +190,7 @@ TextureRef GltfMaterials::reference(const tinygltf::TextureInfo& info, int uv_se
   return ref;
 }
 
-Material GltfMaterials::material(int index) const {
+Material GltfMaterials::material(int index) {
   const tinygltf::Material& from = model_.materials[index];
   const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
   Material to;
@@ -180,13 +205,12 @@ Material GltfMaterials::material(int index) const {
                                               : AlphaMode::kOpaque;
   to.alpha_cutoff = std::max(0.0, std::min(from.alphaCutoff, 1e6));
   to.is_two_sided = from.doubleSided;
-  const int set = uv_set(index);
-  to.base_texture = reference(base_texture_of(from), set, true);
-  to.gloss_texture = reference(pbr.metallicRoughnessTexture, set, false);
-  to.emissive_texture = reference(from.emissiveTexture, set, true);
-  to.normal_texture = reference(info_of(from.normalTexture), set, false);
+  to.base_texture = reference(index, "base", base_texture_of(from), true);
+  to.gloss_texture = reference(index, "gloss", pbr.metallicRoughnessTexture, false);
+  to.emissive_texture = reference(index, "emissive", from.emissiveTexture, true);
+  to.normal_texture = reference(index, "normal", info_of(from.normalTexture), false);
   to.normal_scale = std::clamp(from.normalTexture.scale, -1e3, 1e3);
-  to.occlusion_texture = reference(info_of(from.occlusionTexture), set, false);
+  to.occlusion_texture = reference(index, "occlusion", info_of(from.occlusionTexture), false);
   to.occlusion_strength = within_unit(from.occlusionTexture.strength);
   return to;
 }

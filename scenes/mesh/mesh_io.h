@@ -40,7 +40,8 @@ struct LoadedMesh {
 /// caller). Coincident vertices are welded (within 1e-6 of the size), degenerate and duplicate
 /// triangles dropped; a triangle given once for each side is a duplicate, since both sides are
 /// drawn. Normals of the file are kept, turned to the side where their triangle is
-/// counter-clockwise; where it has none they are computed with a crease angle of 45 degrees. Each
+/// counter-clockwise; where it has none they are those of the triangles in glTF, and computed with
+/// a crease angle of 45 degrees in other formats. Each
 /// mesh (in glTF, each primitive) of each node is a part; its albedo is the luminance of the
 /// material's base or diffuse colour. Throws InputError for a missing, unreadable, empty, too large
 /// (1 GiB, 12 000 000 triangles, 65 535 parts) or non-finite mesh, one that its reader crashes on,

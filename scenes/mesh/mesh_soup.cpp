@@ -92,11 +92,12 @@ void append(std::string& bytes, const Coat& coat) {
   for (const Eigen::Vector4f& c : coat.colour) append(bytes, std::array{c[0], c[1], c[2], c[3]});
 }
 
-void append_part(std::string& bytes, const Part& part) {
+void append_part(std::string& bytes, const Part& part, bool is_flat) {
   const std::string name = part.name.substr(0, kMaxNameBytes);
   append(bytes, static_cast<uint32_t>(name.size()));
   bytes += name;
   append(bytes, part.albedo);
+  append(bytes, static_cast<uint8_t>(is_flat));
 }
 
 // Triangles and points cross as they lie in memory: the other process is this very program.
@@ -169,7 +170,10 @@ class Decoder {
                               points > 3 * kMaxTriangles || normals > triangles;
     if (is_too_large) fail("its reader sent too large a mesh");
     MeshSoup soup;
-    for (uint64_t i = 0; i < parts; ++i) soup.parts.push_back(part());
+    for (uint64_t i = 0; i < parts; ++i) {
+      soup.parts.push_back(part());
+      soup.is_flat.push_back(number<uint8_t>());
+    }
     read_all(points, soup.points, [this](const Eigen::Vector3d& x) { check_point(x); });
     read_all(triangles, soup.triangles, [&](const SoupFace& face) {
       check_face(face, static_cast<int>(points), static_cast<int>(parts));
@@ -458,7 +462,9 @@ void encode(const MeshSoup& soup, const std::function<void(std::string_view)>& w
   append(bytes, static_cast<uint64_t>(soup.triangles.size()));
   append(bytes, static_cast<uint64_t>(soup.points.size()));
   append(bytes, static_cast<uint64_t>(soup.normals.size()));
-  for (const Part& part : soup.parts) append_part(bytes, part);
+  for (size_t i = 0; i < soup.parts.size(); ++i) {
+    append_part(bytes, soup.parts[i], i < soup.is_flat.size() && soup.is_flat[i] != 0);
+  }
   pieces.pass();
   write(bytes_of(soup.points));
   write(bytes_of(soup.triangles));
