@@ -236,10 +236,7 @@ class Reader {
     const auto found = primitive.attributes.find(name);
     if (found == primitive.attributes.end()) return std::nullopt;
     GltfAccessor accessor(model_, found->second, file_);
-    if (accessor.count() != vertices) {
-      fail_gltf(file_, fmt::format("a primitive has {} elements of {} for {} vertices",
-                                   accessor.count(), name, vertices));
-    }
+    require_one_each(accessor, name, vertices, file_);
     return accessor;
   }
 

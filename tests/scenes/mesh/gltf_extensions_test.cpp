@@ -298,6 +298,14 @@ TEST_F(GltfExtensions, WhatIsRequiredAndNotKnownIsRefusedByName) {
   }
 }
 
+TEST_F(GltfExtensions, FewerNormalsThanVerticesAreRefused) {
+  Builder builder;
+  builder.add_box();
+  builder.primitive()["attributes"]["NORMAL"] =
+      builder.add(std::vector<float>{0, 0, 1}, 5126, "VEC3", 3);
+  EXPECT_THAT(error(builder), HasSubstr("1 elements of NORMAL for 8 vertices"));
+}
+
 // glTF 2.0, 3.7.2.1: without normals they are flat, also where the faces turn by little.
 TEST_F(GltfExtensions, WithoutNormalsTheFacesAreFlat) {
   Builder roof;
