@@ -67,11 +67,13 @@ TEST_F(ObjMaterial, OpacityAndEmissionCome) {
 }
 
 TEST_F(ObjMaterial, OtherFormatsSayThemToo) {
-  const Mesh glass = exported("Kd 1 0 0\nKe 0 0 0.5\nd 0.25\n", "collada", "glass.dae");
-  ASSERT_TRUE(glass.parts[0].material);
-  EXPECT_NEAR(glass.parts[0].material->base[3], 0.25, 1e-6);
-  EXPECT_EQ(glass.parts[0].material->alpha_mode, AlphaMode::kBlend);
-  EXPECT_NEAR(glass.parts[0].material->emissive[2], 0.5, 1e-6);
+  for (const auto& [format, name] : {std::pair{"collada", "glass.dae"}, {"3ds", "glass.3ds"}}) {
+    const Mesh glass = exported("Kd 1 0 0\nKe 0 0 0.5\nd 0.25\n", format, name);
+    ASSERT_TRUE(glass.parts[0].material) << format;
+    EXPECT_NEAR(glass.parts[0].material->base[3], 0.25, 1e-4) << format;
+    EXPECT_EQ(glass.parts[0].material->alpha_mode, AlphaMode::kBlend) << format;
+    EXPECT_NEAR(glass.parts[0].material->emissive[2], 0.5, 1e-4) << format;
+  }
 }
 
 TEST_F(ObjMaterial, WhatIsWhollyClearIsTakenForOpaqueAndSaid) {
