@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "scenes/mesh/mesh_soup.h"
+#include "scenes/mesh/mesh_text.h"
 
 namespace sightline {
 namespace {
@@ -126,6 +127,9 @@ void AssimpMaterials::add_textures(const Pictures& pictures, Material& to) {
   const bool has_colour = to.base_texture.is_there();
   const auto [texture, mode] = shelf_.with_alpha(to.base_texture.texture, alpha);
   if (!has_colour) to.base_texture = pictures.alpha.ref;
+  if (to.base_texture.texture_from_uv != pictures.alpha.ref.texture_from_uv) {
+    moved_.insert(pictures.alpha.file);
+  }
   to.base_texture.texture = texture;
   if (to.alpha_mode == AlphaMode::kOpaque) to.alpha_mode = mode;
 }
@@ -154,6 +158,23 @@ Part AssimpMaterials::part(const aiMesh& mesh, std::string name) {
   if (opacity < 1) material.alpha_mode = AlphaMode::kBlend;
   add_textures(pictures, material);
   return {std::move(name), albedo, material};
+}
+
+std::vector<std::string> AssimpMaterials::notes() const {
+  std::vector<std::string> notes;
+  if (!without_coordinates_.empty()) {
+    notes.push_back(fmt::format("drawn without textures, whose coordinates are not there: {}",
+                                listed(without_coordinates_)));
+  }
+  if (!moved_.empty()) {
+    notes.push_back(
+        fmt::format("opacity that lies as the colour under it does: {}", listed(moved_)));
+  }
+  if (is_clear_for_opaque_) {
+    notes.emplace_back(
+        "all its materials have an opacity of 0, which some exporters write for 1: drawn opaque");
+  }
+  return notes;
 }
 
 }  // namespace sightline

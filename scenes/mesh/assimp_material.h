@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "scenes/mesh/mesh.h"
 #include "scenes/mesh/mtl_text.h"
@@ -27,11 +28,8 @@ class AssimpMaterials {
   /// A part of that name for a mesh; grey and dull ones have no material.
   Part part(const aiMesh& mesh, std::string name);
 
-  /// True where all materials of the file are wholly clear, as exporters write it that take 0 for
-  /// opaque: they are drawn opaque.
-  bool is_clear_for_opaque() const { return is_clear_for_opaque_; }
-  /// The parts so far whose pictures are left out since the mesh has no coordinates for them.
-  const std::set<std::string>& without_coordinates() const { return without_coordinates_; }
+  /// What of the materials so far is not drawn, or is taken otherwise than the file says; clauses.
+  std::vector<std::string> notes() const;
 
  private:
   // A picture as a material names it; without a file where it names none.
@@ -54,8 +52,10 @@ class AssimpMaterials {
   const aiScene& scene_;
   std::map<std::string, MtlMaterial> mtl_;
   TextureShelf& shelf_;
+  // All materials are wholly clear, as exporters write it that take 0 for opaque.
   bool is_clear_for_opaque_ = false;
-  std::set<std::string> without_coordinates_;
+  std::set<std::string> without_coordinates_;  // parts with pictures
+  std::set<std::string> moved_;                // pictures of opacity that lie as the colour does
 };
 
 }  // namespace sightline

@@ -281,23 +281,6 @@ void add_notes(const aiScene& scene, const FolderOnly& files, MeshSoup& soup) {
   }
 }
 
-// What is known of its surfaces and not drawn.
-void add_notes(const AssimpMaterials& materials, const std::set<std::string>& missing,
-               MeshSoup& soup) {
-  if (!missing.empty()) {
-    soup.notes.push_back(
-        fmt::format("drawn without its materials, whose file is missing: {}", listed(missing)));
-  }
-  if (!materials.without_coordinates().empty()) {
-    soup.notes.push_back(fmt::format("drawn without textures, whose coordinates are not there: {}",
-                                     listed(materials.without_coordinates())));
-  }
-  if (materials.is_clear_for_opaque()) {
-    soup.notes.emplace_back(
-        "all its materials have an opacity of 0, which some exporters write for 1: drawn opaque");
-  }
-}
-
 }  // namespace
 
 MeshSoup read_with_assimp(const std::filesystem::path& file) {
@@ -331,7 +314,11 @@ MeshSoup read_with_assimp(const std::filesystem::path& file) {
   AssimpMaterials materials(*scene, std::move(own.materials), shelf);
   add_node({*scene, file, soup, materials, own.faces}, *scene->mRootNode, file_from_read);
   add_notes(*scene, *files, soup);
-  add_notes(materials, own.missing, soup);
+  if (!own.missing.empty()) {
+    soup.notes.push_back(
+        fmt::format("drawn without its materials, whose file is missing: {}", listed(own.missing)));
+  }
+  for (std::string& note : materials.notes()) soup.notes.push_back(std::move(note));
   if (own.faces.are_there && !has_face_colours(*scene, own.faces)) {
     soup.notes.emplace_back("not drawn: the colours of its faces");
   }

@@ -129,6 +129,11 @@ class PlyNumbers {
   bool is_torn_ = false;
 };
 
+bool has_list(const PlyElement& element) {
+  return std::any_of(element.properties.begin(), element.properties.end(),
+                     [](const PlyProperty& property) { return property.is_list(); });
+}
+
 int channel_of(const PlyProperty& property) {
   constexpr std::array<std::string_view, 4> kNames = {"red", "green", "blue", "alpha"};
   const auto at = std::find(kNames.begin(), kNames.end(), property.name);
@@ -182,29 +187,22 @@ PlyFaceColours ply_face_colours(std::string_view ply) {
   PlyFaceColours out;
   const auto layout = layout_of(ply);
   if (!layout) return out;
+  const auto& elements = layout->elements;
+  const auto face = std::find_if(elements.begin(), elements.end(),
+                                 [](const PlyElement& element) { return element.name == "face"; });
+  if (face == elements.end()) return out;
+  out.are_there = std::any_of(face->properties.begin(), face->properties.end(),
+                              [](const PlyProperty& p) { return channel_of(p) == 0; });
+  if (!out.are_there || std::any_of(elements.begin(), face, has_list)) return out;
   PlyNumbers numbers(ply.substr(layout->begin), layout->format);
-  const auto has_list = [](const PlyElement& element) {
-    return std::any_of(element.properties.begin(), element.properties.end(),
-                       [](const PlyProperty& property) { return property.is_list(); });
-  };
-  bool is_readable = true;
-  for (const PlyElement& element : layout->elements) {
-    if (element.name != "face") {
-      is_readable = is_readable && !has_list(element);
-      if (is_readable) {
-        skip_element(element, layout->format == PlyPoints::Format::kAscii, numbers);
-      }
-      continue;
-    }
-    out.are_there = std::any_of(element.properties.begin(), element.properties.end(),
-                                [](const PlyProperty& p) { return channel_of(p) == 0; });
-    if (!out.are_there || !is_readable) return out;
-    for (uint64_t i = 0; i < element.count && !numbers.is_torn(); ++i) {
-      take_face(element, numbers, out.of_triangles);
-    }
-    if (numbers.is_torn()) out.of_triangles.clear();
-    return out;
+  const bool is_ascii = layout->format == PlyPoints::Format::kAscii;
+  for (auto before = elements.begin(); before != face; ++before) {
+    skip_element(*before, is_ascii, numbers);
   }
+  for (uint64_t i = 0; i < face->count && !numbers.is_torn(); ++i) {
+    take_face(*face, numbers, out.of_triangles);
+  }
+  if (numbers.is_torn()) out.of_triangles.clear();
   return out;
 }
 

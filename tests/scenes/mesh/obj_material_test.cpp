@@ -100,6 +100,8 @@ TEST_F(ObjMaterial, AnOpacityPictureGoesIntoTheColoursAlpha) {
   EXPECT_THAT(veil.base, ElementsAre(0, 1, 0, 1));
   EXPECT_THAT(veiled.textures.at(veil.base_texture.texture)->rgba,
               ElementsAre(255, 255, 255, 255, 255, 255, 255, 100));
+  EXPECT_THAT(mesh("map_Kd red.png\nmap_d -s 2 2 hole.png\n").notes,
+              ElementsAre("opacity that lies as the colour under it does: hole.png"));
   // A picture that is both is opaque where it has no alpha, however dark.
   EXPECT_EQ(material("map_Kd red.png\nmap_d red.png\n").alpha_mode, AlphaMode::kOpaque);
 }
