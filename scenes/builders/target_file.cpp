@@ -66,6 +66,16 @@ std::string to_toml(const BuiltTarget& target) {
   return text;
 }
 
+// What is built is closed, and its triangles are counter-clockwise from outside: nobody sees a
+// back.
+Mesh one_sided(Mesh mesh) {
+  for (Part& part : mesh.parts) {
+    if (!part.material) part.material.emplace();
+    part.material->is_two_sided = false;
+  }
+  return mesh;
+}
+
 }  // namespace
 
 TargetFeature line_intersection(std::string name, const Eigen::Vector3d& corner,
@@ -94,7 +104,7 @@ TargetFeature outlined_feature(std::string name, FeatureKind kind,
 void write_target(const BuiltTarget& target, const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  write_glb(target.mesh, folder / "mesh.glb");
+  write_glb(one_sided(target.mesh), folder / "mesh.glb");
   const std::filesystem::path file = folder / "target.toml";
   std::ofstream stream(file, std::ios::binary);
   stream << to_toml(target);

@@ -97,6 +97,13 @@ GltfAccessor::GltfAccessor(const tinygltf::Model& model, int index,
   replace(model, index);
 }
 
+void require_one_each(const GltfAccessor& accessor, const std::string& attribute, size_t vertices,
+                      const std::filesystem::path& file) {
+  if (accessor.count() == vertices) return;
+  fail_gltf(file, fmt::format("a primitive has {} elements of {} for {} vertices", accessor.count(),
+                              attribute, vertices));
+}
+
 void GltfAccessor::take_view(const tinygltf::Model& model, int view, size_t offset) {
   const Place place = place_of(model, view, offset, component_bytes_ * components_, count_, file_);
   data_ = place.data;

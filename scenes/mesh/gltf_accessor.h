@@ -58,4 +58,8 @@ class GltfAccessor {
   size_t stride_ = 0;
 };
 
+/// Throws InputError unless an attribute has one element for each vertex of its primitive.
+void require_one_each(const GltfAccessor& accessor, const std::string& attribute, size_t vertices,
+                      const std::filesystem::path& file);
+
 }  // namespace sightline

@@ -12,6 +12,9 @@
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <tiny_gltf.h>
 
+#include "scenes/mesh/gltf_accessor.h"
+#include "scenes/mesh/gltf_uri.h"
+
 namespace sightline {
 namespace {
 
@@ -34,10 +37,6 @@ double number_of(const tinygltf::Value& object, const char* key, size_t i, doubl
 const tinygltf::Value* extension(const tinygltf::ExtensionMap& extensions, const char* name) {
   const auto found = extensions.find(name);
   return found == extensions.end() ? nullptr : &found->second;
-}
-
-double within_unit(double value) {
-  return value > 0 ? std::min(value, 1.0) : 0.0;
 }
 
 Wrap wrap_of(int gltf) {
@@ -64,6 +63,16 @@ int uv_set_of(const tinygltf::TextureInfo& info) {
   const tinygltf::Value* transform = transform_extension(info);
   return transform == nullptr ? info.texCoord
                               : static_cast<int>(number_of(*transform, "texCoord", info.texCoord));
+}
+
+// The same by another type.
+template <typename Info>
+tinygltf::TextureInfo info_of(const Info& special) {
+  tinygltf::TextureInfo info;
+  info.index = special.index;
+  info.texCoord = special.texCoord;
+  info.extensions = special.extensions;
+  return info;
 }
 
 // The base colour texture of the model that came before metallic-roughness, as that one has it.
@@ -109,40 +118,66 @@ void set_emission(const tinygltf::Material& from, Material& to) {
   }
 }
 
+// The image of a texture; -1 where it has none that is read.
+int source_of(const tinygltf::Texture& texture) {
+  const auto* webp = extension(texture.extensions, "EXT_texture_webp");
+  return webp == nullptr ? texture.source
+                         : static_cast<int>(number_of(*webp, "source", texture.source));
+}
+
+std::string name_of(const tinygltf::Image& image, int index) {
+  if (!image.uri.empty()) return path_of_uri(image.uri);
+  return image.name.empty() ? fmt::format("(image {})", index)
+                            : fmt::format("{} (image {})", image.name, index);
+}
+
+// Why a texture without an image that is read has none.
+std::string why_no_image(const tinygltf::Texture& texture) {
+  if (texture.extensions.empty()) return "names no image of the file";
+  const std::string& extension = texture.extensions.begin()->first;
+  const char* const format = extension == "KHR_texture_basisu" ? "KTX 2, "
+                             : extension == "MSFT_texture_dds" ? "DDS, "
+                             : extension == "EXT_texture_avif" ? "AVIF, "
+                                                               : "";
+  return fmt::format("is in a format that is not read ({}{})", format, extension);
+}
+
 }  // namespace
 
 int GltfMaterials::uv_set(int index) const {
   const tinygltf::Material& from = model_.materials[index];
   for (const tinygltf::TextureInfo& info :
        {base_texture_of(from), from.pbrMetallicRoughness.metallicRoughnessTexture,
-        from.emissiveTexture}) {
+        from.emissiveTexture, info_of(from.normalTexture), info_of(from.occlusionTexture)}) {
     if (info.index >= 0) return uv_set_of(info);
   }
   return 0;
 }
 
-TextureRef GltfMaterials::reference(const tinygltf::TextureInfo& info, int uv_set,
-                                    bool is_srgb) const {
+TextureRef GltfMaterials::reference(int material, const char* what,
+                                    const tinygltf::TextureInfo& info, bool is_srgb) {
   TextureRef ref;
-  const bool is_there = info.index >= 0 && info.index < static_cast<int>(model_.textures.size()) &&
-                        uv_set_of(info) == uv_set;
-  if (!is_there) return ref;
+  if (info.index < 0) return ref;
+  const std::string& name = model_.materials[material].name;
+  const std::string whose = name.empty() ? fmt::format("material {}", material) : name;
+  if (info.index >= static_cast<int>(model_.textures.size())) {
+    fail_gltf(file_, fmt::format("the {} texture of {} is number {}, but it has {}", what, whose,
+                                 info.index, model_.textures.size()));
+  }
+  if (uv_set_of(info) != uv_set(material)) {
+    left_out_.insert(fmt::format("the {} texture of {}", what, whose));
+    return ref;
+  }
   const tinygltf::Texture& texture = model_.textures[info.index];
-  int source = texture.source;
-  if (const auto* webp = extension(texture.extensions, "EXT_texture_webp")) {
-    source = static_cast<int>(number_of(*webp, "source", source));
-  }
-  const bool has_image = source >= 0 && source < static_cast<int>(model_.images.size());
-  std::string name = fmt::format("number {}", info.index);
-  std::string_view bytes;
-  if (has_image) {
+  const int source = source_of(texture);
+  if (source >= 0 && source < static_cast<int>(model_.images.size())) {
     const tinygltf::Image& image = model_.images[source];
-    bytes = {reinterpret_cast<const char*>(image.image.data()), image.image.size()};
-    name = !image.uri.empty()    ? image.uri
-           : !image.name.empty() ? fmt::format("{} (image {})", image.name, source)
-                                 : fmt::format("(image {})", source);
+    ref.texture =
+        shelf_.from_bytes({reinterpret_cast<const char*>(image.image.data()), image.image.size()},
+                          name_of(image, source), is_srgb);
+  } else {
+    ref.texture = shelf_.lose(fmt::format("number {}", info.index), why_no_image(texture));
   }
-  ref.texture = shelf_.from_bytes(bytes, name, is_srgb);
   if (const tinygltf::Value* transform = transform_extension(info)) {
     ref.texture_from_uv = transform_of(*transform);
   }
@@ -155,7 +190,7 @@ TextureRef GltfMaterials::reference(const tinygltf::TextureInfo& info, int uv_se
   return ref;
 }
 
-Material GltfMaterials::material(int index) const {
+Material GltfMaterials::material(int index) {
   const tinygltf::Material& from = model_.materials[index];
   const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
   Material to;
@@ -169,16 +204,14 @@ Material GltfMaterials::material(int index) const {
                   : from.alphaMode == "BLEND" ? AlphaMode::kBlend
                                               : AlphaMode::kOpaque;
   to.alpha_cutoff = std::max(0.0, std::min(from.alphaCutoff, 1e6));
-  const int set = uv_set(index);
-  to.base_texture = reference(base_texture_of(from), set, true);
-  to.gloss_texture = reference(pbr.metallicRoughnessTexture, set, false);
-  to.emissive_texture = reference(from.emissiveTexture, set, true);
-  tinygltf::TextureInfo normal;  // the same by another type
-  normal.index = from.normalTexture.index;
-  normal.texCoord = from.normalTexture.texCoord;
-  normal.extensions = from.normalTexture.extensions;
-  to.normal_texture = reference(normal, set, false);
+  to.is_two_sided = from.doubleSided;
+  to.base_texture = reference(index, "base", base_texture_of(from), true);
+  to.gloss_texture = reference(index, "gloss", pbr.metallicRoughnessTexture, false);
+  to.emissive_texture = reference(index, "emissive", from.emissiveTexture, true);
+  to.normal_texture = reference(index, "normal", info_of(from.normalTexture), false);
   to.normal_scale = std::clamp(from.normalTexture.scale, -1e3, 1e3);
+  to.occlusion_texture = reference(index, "occlusion", info_of(from.occlusionTexture), false);
+  to.occlusion_strength = within_unit(from.occlusionTexture.strength);
   return to;
 }
 

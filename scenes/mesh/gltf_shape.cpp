@@ -147,6 +147,7 @@ GltfShape::GltfShape(const tinygltf::Model& model, const tinygltf::Primitive& pr
     : file_(file),
       positions_(model, primitive.attributes.at("POSITION"), file),
       normals_(accessor_of(model, primitive.attributes, "NORMAL", file)) {
+  if (normals_) require_one_each(*normals_, "NORMAL", vertex_count(), file);
   add_targets(model, primitive, node);
   add_skin(model, primitive, node, file_from_nodes);
 }

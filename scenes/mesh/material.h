@@ -55,14 +55,17 @@ struct Material {
   std::array<double, 3> emissive{0, 0, 0};
   AlphaMode alpha_mode = AlphaMode::kOpaque;
   double alpha_cutoff = 0.5;  ///< of kMask: what has less is not there
+  bool is_two_sided = true;   ///< false: it is there from outside alone, where its normals point
   TextureRef base_texture;
   TextureRef gloss_texture;  ///< green is the factor on roughness, blue that on metallic
   TextureRef emissive_texture;
-  TextureRef normal_texture;  ///< tilts the normal: x along the texture's u, y against its v
-  double normal_scale = 1;    ///< factor on the tilt
+  TextureRef normal_texture;      ///< tilts the normal: x along the texture's u, y against its v
+  double normal_scale = 1;        ///< factor on the tilt
+  TextureRef occlusion_texture;   ///< red is the share of the light from all around that arrives
+  double occlusion_strength = 1;  ///< 0 to 1: how much of that is taken: 1 + strength (red - 1)
 
-  std::array<TextureRef*, 4> textures() {
-    return {&base_texture, &gloss_texture, &emissive_texture, &normal_texture};
+  std::array<TextureRef*, 5> textures() {
+    return {&base_texture, &gloss_texture, &emissive_texture, &normal_texture, &occlusion_texture};
   }
 };
 

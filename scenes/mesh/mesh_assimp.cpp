@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <new>
 #include <optional>
 #include <set>
@@ -17,10 +18,13 @@
 #include <fmt/ranges.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/mesh/assimp_material.h"
 #include "scenes/mesh/mesh_folder.h"
 #include "scenes/mesh/mesh_soup.h"
 #include "scenes/mesh/mesh_text.h"
+#include "scenes/mesh/mtl_text.h"
 #include "scenes/mesh/obj_text.h"
+#include "scenes/mesh/ply_faces.h"
 #include "scenes/mesh/ply_text.h"
 #include "scenes/mesh/textures.h"
 
@@ -80,80 +84,36 @@ Eigen::Vector3d to_eigen(const aiVector3D& v) {
   return {v.x, v.y, v.z};
 }
 
-// What the files that are read share: where the textures go, and what is read.
+// What a file's own text says and Assimp does not.
+struct OwnText {
+  std::map<std::string, MtlMaterial> materials;  // of an .obj
+  std::set<std::string> missing;                 // of an .obj, files of materials
+  PlyFaceColours faces;                          // of a .ply
+};
+
+// What the files that are read share: where the materials come from, and what is read.
 struct Reading {
   const aiScene& scene;
   const std::filesystem::path& file;
   MeshSoup& soup;
-  TextureShelf& shelf;
+  AssimpMaterials& materials;
+  const PlyFaceColours& faces;
 };
 
-Wrap wrap_of(const aiMaterial& material, const char* key, unsigned type, unsigned index) {
-  int mode = aiTextureMapMode_Wrap;
-  material.Get(key, type, index, mode);
-  if (mode == aiTextureMapMode_Mirror) return Wrap::kMirror;
-  return mode == aiTextureMapMode_Clamp ? Wrap::kClamp : Wrap::kRepeat;
-}
-
-// The index of a texture that a material names: a file, or one within the mesh's file.
-int texture_index(const Reading& reading, const aiString& path) {
-  const aiTexture* inside = reading.scene.GetEmbeddedTexture(path.C_Str());
-  if (inside == nullptr) return reading.shelf.from_file(path.C_Str(), true);
-  const bool is_encoded = inside->mHeight == 0;  // then the width is its bytes
-  const auto* bytes = reinterpret_cast<const char*>(inside->pcData);
-  const std::string name = fmt::format("{} within the file", path.C_Str());
-  return reading.shelf.from_bytes({bytes, is_encoded ? inside->mWidth : 0}, name, true);
-}
-
-// The texture of a material's colour; `is_named` also where it is lost.
-TextureRef base_texture_of(const Reading& reading, const aiMaterial& material, bool& is_named) {
-  for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
-    aiString path;
-    if (material.GetTexture(type, 0, &path) != aiReturn_SUCCESS || path.length == 0) continue;
-    is_named = true;
-    // Assimp's coordinates begin at the lower left corner.
-    return {.texture = texture_index(reading, path),
-            .wrap_u = wrap_of(material, AI_MATKEY_MAPPINGMODE_U(type, 0)),
-            .wrap_v = wrap_of(material, AI_MATKEY_MAPPINGMODE_V(type, 0)),
-            .texture_from_uv = {1, 0, 0, 0, -1, 1}};
-  }
-  return {};
-}
-
-// A colour of nothing beside a texture means that the texture is the colour.
-aiColor3D diffuse_of(const aiMaterial* material, bool has_texture) {
-  aiColor3D diffuse(0.8f, 0.8f, 0.8f);
-  if (material != nullptr) material->Get(AI_MATKEY_COLOR_DIFFUSE, diffuse);
-  if (has_texture && diffuse.IsBlack()) diffuse = aiColor3D(1, 1, 1);
-  return diffuse;
-}
-
-double within_unit(double value) {
-  return value > 0 ? std::min(value, 1.0) : 0.0;
-}
-
-Part part_of(const Reading& reading, const aiMesh& mesh, std::string name) {
-  const aiScene& scene = reading.scene;
-  const aiMaterial* from =
-      mesh.mMaterialIndex < scene.mNumMaterials ? scene.mMaterials[mesh.mMaterialIndex] : nullptr;
-  bool has_texture = false;
-  Material material;
-  if (from != nullptr && mesh.HasTextureCoords(0)) {
-    material.base_texture = base_texture_of(reading, *from, has_texture);
-  }
-  const aiColor3D diffuse = diffuse_of(from, has_texture);
-  const double albedo = luminance(diffuse.r, diffuse.g, diffuse.b);
-  const bool is_grey = diffuse.r == diffuse.g && diffuse.g == diffuse.b;
-  if (is_grey && !has_texture && !mesh.HasVertexColors(0)) return {std::move(name), albedo};
-  material.base = {within_unit(diffuse.r), within_unit(diffuse.g), within_unit(diffuse.b), 1};
-  if (mesh.HasVertexColors(0) && !has_texture) material.base = {1, 1, 1, 1};
-  reading.soup.has_coats |= material.base_texture.is_there() || mesh.HasVertexColors(0);
-  return {std::move(name), albedo, material};
+// Whether the colours of the file's faces are those of the mesh's triangles.
+bool has_face_colours(const aiScene& scene, const PlyFaceColours& faces) {
+  return scene.mNumMeshes == 1 && !scene.mMeshes[0]->HasVertexColors(0) &&
+         !faces.of_triangles.empty() && faces.of_triangles.size() == scene.mMeshes[0]->mNumFaces;
 }
 
 // Formats of that kind have the colours of their vertices as pictures have them, encoded.
-float linear_colour(float encoded) {
-  return static_cast<float>(linear_from_srgb(within_unit(encoded)));
+Eigen::Vector4f linear_colour(const Eigen::Vector4f& encoded) {
+  Eigen::Vector4f linear;
+  for (int i = 0; i < 3; ++i) {
+    linear[i] = static_cast<float>(linear_from_srgb(within_unit(encoded[i])));
+  }
+  linear[3] = static_cast<float>(within_unit(encoded[3]));
+  return linear;
 }
 
 void set_coat(const aiMesh& mesh, unsigned vertex, int corner, Coat& coat) {
@@ -163,8 +123,20 @@ void set_coat(const aiMesh& mesh, unsigned vertex, int corner, Coat& coat) {
   }
   if (!mesh.HasVertexColors(0)) return;
   const aiColor4D& c = mesh.mColors[0][vertex];
-  coat.colour[corner] = {linear_colour(c.r), linear_colour(c.g), linear_colour(c.b),
-                         static_cast<float>(within_unit(c.a))};
+  coat.colour[corner] = linear_colour({c.r, c.g, c.b, c.a});
+}
+
+// Says whether the last part makes coats necessary; colours of faces lie on white.
+void mark_coats(MeshSoup& soup, bool has_vertex_colours, bool has_face_colours) {
+  std::optional<Material>& material = soup.parts.back().material;
+  if (!material && has_face_colours) material.emplace();
+  if (!material) return;
+  if (has_face_colours && !material->base_texture.is_there()) {
+    material->base = {1, 1, 1, material->base[3]};
+  }
+  const auto refs = material->textures();
+  soup.has_coats |= has_vertex_colours || has_face_colours ||
+                    std::any_of(refs.begin(), refs.end(), [](auto* r) { return r->is_there(); });
 }
 
 void add_mesh(const Reading& reading, const aiMesh& mesh, const aiNode& node,
@@ -177,7 +149,9 @@ void add_mesh(const Reading& reading, const aiMesh& mesh, const aiNode& node,
   const bool use_node = !node_name.empty() && &node != reading.scene.mRootNode;
   std::string name = use_node ? node_name : mesh_name;
   if (name.empty()) name = fmt::format("part_{}", soup.parts.size());
-  soup.parts.push_back(part_of(reading, mesh, std::move(name)));
+  soup.parts.push_back(reading.materials.part(mesh, std::move(name)));
+  const bool has_faces = has_face_colours(reading.scene, reading.faces);
+  mark_coats(soup, mesh.HasVertexColors(0), has_faces);
   SoupTransform transform(file_from_node, mesh.mNumFaces, mesh.mNumVertices);
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     const aiFace& face = mesh.mFaces[i];
@@ -191,6 +165,9 @@ void add_mesh(const Reading& reading, const aiMesh& mesh, const aiNode& node,
       triangle.normal[corner] =
           mesh.HasNormals() ? to_eigen(mesh.mNormals[index]) : Eigen::Vector3d::Zero();
       set_coat(mesh, index, corner, triangle.coat);
+      if (has_faces) {
+        triangle.coat.colour[corner] = linear_colour(reading.faces.of_triangles[i]);
+      }
     }
     transform.add(soup, triangle);
   }
@@ -224,9 +201,20 @@ std::optional<MovedText> moved_near(const std::string& extension, const std::str
   return std::nullopt;
 }
 
+void read_materials(const std::filesystem::path& obj, std::string_view text, OwnText& own) {
+  const MeshFolder folder(obj);
+  for (const std::string& name : mtl_files(text)) {
+    auto found = folder.find(name);
+    // Assimp takes the one that is called as the .obj in the place of one that is not there.
+    if (!found) found = folder.find(std::filesystem::path(obj).replace_extension(".mtl"));
+    if (found) own.materials.merge(mtl_materials(whole_file(*found).value_or("")));
+    if (!found && !folder.is_outside(name)) own.missing.insert(name);
+  }
+}
+
 // Gives Assimp what it can read of a file that it cannot read as it is: a georeferenced .obj or
 // .ply moved near its origin, a tidy .stl. Returns how what is read goes back.
-Eigen::Matrix4d prepare(const std::filesystem::path& file, FolderOnly& files) {
+Eigen::Matrix4d prepare(const std::filesystem::path& file, FolderOnly& files, OwnText& own) {
   Eigen::Matrix4d file_from_read = Eigen::Matrix4d::Identity();
   const std::string extension = lower_extension(file);
   if (extension == ".stl") {
@@ -234,7 +222,10 @@ Eigen::Matrix4d prepare(const std::filesystem::path& file, FolderOnly& files) {
     if (!tidy.empty()) files.give(file, std::move(tidy));
   }
   if (extension != ".obj" && extension != ".ply") return file_from_read;
-  if (auto moved = moved_near(extension, whole_file(file).value_or(""))) {
+  const std::string text = whole_file(file).value_or("");
+  if (extension == ".obj") read_materials(file, text, own);
+  if (extension == ".ply") own.faces = ply_face_colours(text);
+  if (auto moved = moved_near(extension, text)) {
     files.give(file, std::move(moved->text));
     file_from_read.topRightCorner<3, 1>() = moved->by;
   }
@@ -300,7 +291,8 @@ MeshSoup read_with_assimp(const std::filesystem::path& file) {
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, true);
   auto* files = new FolderOnly(whole_path);  // the importer deletes it
   importer.SetIOHandler(files);
-  Eigen::Matrix4d file_from_read = prepare(whole_path, *files);
+  OwnText own;
+  Eigen::Matrix4d file_from_read = prepare(whole_path, *files, own);
   const aiScene* scene = importer.ReadFile(whole_path.string(),
                                            aiProcess_Triangulate | aiProcess_ValidateDataStructure);
   const bool is_whole = scene != nullptr && scene->mRootNode != nullptr &&
@@ -319,8 +311,17 @@ MeshSoup read_with_assimp(const std::filesystem::path& file) {
   // Assimp has applied a .dae's unit: what the caller may replace is taken back.
   if (lower_extension(file) == ".dae") file_from_read.topRows<3>() /= soup.unit_m;
   TextureShelf shelf(soup, file);
-  add_node({*scene, file, soup, shelf}, *scene->mRootNode, file_from_read);
+  AssimpMaterials materials(*scene, std::move(own.materials), shelf);
+  add_node({*scene, file, soup, materials, own.faces}, *scene->mRootNode, file_from_read);
   add_notes(*scene, *files, soup);
+  if (!own.missing.empty()) {
+    soup.notes.push_back(
+        fmt::format("drawn without its materials, whose file is missing: {}", listed(own.missing)));
+  }
+  for (std::string& note : materials.notes()) soup.notes.push_back(std::move(note));
+  if (own.faces.are_there && !has_face_colours(*scene, own.faces)) {
+    soup.notes.emplace_back("not drawn: the colours of its faces");
+  }
   return soup;
 }
 

@@ -47,6 +47,12 @@ std::optional<fs::path> MeshFolder::find(const fs::path& named) const {
   return std::nullopt;
 }
 
+bool MeshFolder::is_outside(const fs::path& named) const {
+  std::error_code error;
+  const fs::path given = (folders_.front() / named).lexically_normal();
+  return fs::is_regular_file(given, error) && !find(named);
+}
+
 bool MeshFolder::may_read(const fs::path& file) const {
   std::error_code error;
   const bool is_link = fs::is_symlink(file, error);

@@ -28,6 +28,8 @@ class MeshFolder {
   /// The regular file that is meant by a path, which is absolute or begins at the folder; none
   /// where there is none, or it may not be read.
   std::optional<std::filesystem::path> find(const std::filesystem::path& named) const;
+  /// True where that path leads to a regular file that may not be read.
+  bool is_outside(const std::filesystem::path& named) const;
 
  private:
   bool may_read(const std::filesystem::path& file) const;

@@ -10,7 +10,6 @@
 #define TINYGLTF_NO_STB_IMAGE_WRITE
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstring>
 #include <fstream>
 #include <map>
@@ -27,8 +26,10 @@
 #include "scenes/mesh/gltf_material.h"
 #include "scenes/mesh/gltf_shape.h"
 #include "scenes/mesh/gltf_unpack.h"
+#include "scenes/mesh/gltf_uri.h"
 #include "scenes/mesh/mesh_folder.h"
 #include "scenes/mesh/mesh_soup.h"
+#include "scenes/mesh/mesh_text.h"
 #include "scenes/mesh/textures.h"
 
 namespace sightline {
@@ -44,25 +45,32 @@ std::array<size_t, 3> corners_of(int mode, size_t i) {
   return {3 * i, 3 * i + 1, 3 * i + 2};
 }
 
-// Extensions that a file may require: those that are read, and those of light and surfaces, without
-// which the shape is the same.
-constexpr std::array<std::string_view, 8> kKnownExtensions = {
-    "KHR_mesh_quantization",   "EXT_meshopt_compression", "KHR_draco_mesh_compression",
-    "EXT_mesh_gpu_instancing", "KHR_texture_transform",   "EXT_texture_webp",
-    "KHR_lights_punctual",     "KHR_texture_basisu"};
+// Extensions that a file may require: those that are read, lights, which a scene has of its own,
+// and textures that become lost ones.
+constexpr std::array<std::string_view, 11> kKnownExtensions = {
+    "KHR_mesh_quantization",
+    "EXT_meshopt_compression",
+    "KHR_draco_mesh_compression",
+    "EXT_mesh_gpu_instancing",
+    "KHR_texture_transform",
+    "EXT_texture_webp",
+    "KHR_materials_unlit",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_lights_punctual",
+    "KHR_texture_basisu"};
 
 bool is_known(const std::string& extension) {
-  return extension.starts_with("KHR_materials_") ||
-         std::find(kKnownExtensions.begin(), kKnownExtensions.end(), extension) !=
-             kKnownExtensions.end();
+  return std::find(kKnownExtensions.begin(), kKnownExtensions.end(), extension) !=
+         kKnownExtensions.end();
 }
 
 void require_known_extensions(const tinygltf::Model& model, const std::filesystem::path& file) {
   for (const std::string& extension : model.extensionsRequired) {
     if (is_known(extension)) continue;
     fail_gltf(file, fmt::format("it requires the extension {}, which is not known here; export it "
-                                "without",
-                                extension));
+                                "without (known: {})",
+                                extension, fmt::join(kKnownExtensions, ", ")));
   }
 }
 
@@ -73,7 +81,7 @@ class Reader {
         file_(file),
         file_from_nodes_(global_transforms(model, file)),
         shelf_(soup_, file),
-        materials_(model, shelf_) {}
+        materials_(model, file, shelf_) {}
 
   MeshSoup read() {
     require_known_extensions(model_, file_);
@@ -140,9 +148,12 @@ class Reader {
       require_room(soup_, kMaxTriangles + 1, file_);
     }
     require_room(soup_, triangle_count * copies.size(), file_);
-    const CoatAccessors coats = coats_of(primitive);
-    soup_.parts.push_back(
-        {part_name(primitive, node), albedo_of(primitive), material_of(primitive, coats)});
+    const CoatAccessors coats = coats_of(primitive, shape.vertex_count());
+    soup_.is_flat.resize(soup_.parts.size());
+    soup_.is_flat.push_back(!shape.has_normals());
+    std::string name = part_name(primitive, node);
+    std::optional<Material> material = material_of(primitive, coats, name);
+    soup_.parts.push_back({std::move(name), albedo_of(primitive), std::move(material)});
     std::vector<SoupTransform> transforms;
     for (const Eigen::Matrix4d& copy : copies) {
       transforms.emplace_back(shape.is_skinned() ? copy : Eigen::Matrix4d(file_from_node * copy),
@@ -184,11 +195,17 @@ class Reader {
       undrawn.push_back(fmt::format("{} other scene{}", model_.scenes.size() - 1,
                                     model_.scenes.size() == 2 ? "" : "s"));
     }
-    for (const std::string& extension : model_.extensionsUsed) {
-      if (extension == "KHR_texture_basisu") undrawn.emplace_back("textures of KHR_texture_basisu");
-    }
     if (!undrawn.empty())
       soup_.notes.push_back(fmt::format("not drawn: {}", fmt::join(undrawn, ", ")));
+    if (!without_uv_.empty()) {
+      soup_.notes.push_back(fmt::format(
+          "drawn without textures, whose coordinates are not there: {}", listed(without_uv_)));
+    }
+    if (!materials_.left_out().empty()) {
+      soup_.notes.push_back(
+          fmt::format("not drawn, since a material takes one set of texture coordinates: {}",
+                      listed(materials_.left_out())));
+    }
   }
 
   // Where a primitive's corners have texture coordinates and colours.
@@ -213,33 +230,44 @@ class Reader {
            primitive.material < static_cast<int>(model_.materials.size());
   }
 
-  CoatAccessors coats_of(const tinygltf::Primitive& primitive) {
+  // Those of an attribute; none where the primitive lacks it.
+  std::optional<GltfAccessor> attribute(const tinygltf::Primitive& primitive,
+                                        const std::string& name, size_t vertices) const {
+    const auto found = primitive.attributes.find(name);
+    if (found == primitive.attributes.end()) return std::nullopt;
+    GltfAccessor accessor(model_, found->second, file_);
+    require_one_each(accessor, name, vertices, file_);
+    return accessor;
+  }
+
+  CoatAccessors coats_of(const tinygltf::Primitive& primitive, size_t vertices) const {
     const int set = has_material(primitive) ? materials_.uv_set(primitive.material) : 0;
     CoatAccessors out;
     const auto& used = model_.extensionsUsed;
     out.is_uv_normalised =
         std::find(used.begin(), used.end(), "KHR_mesh_quantization") == used.end();
-    const auto& attributes = primitive.attributes;
-    const auto uv = attributes.find(fmt::format("TEXCOORD_{}", set));
-    const auto colours = attributes.find("COLOR_0");
-    if (uv != attributes.end()) out.uv.emplace(model_, uv->second, file_);
-    if (colours != attributes.end()) out.colours.emplace(model_, colours->second, file_);
+    out.uv = attribute(primitive, fmt::format("TEXCOORD_{}", set), vertices);
+    out.colours = attribute(primitive, "COLOR_0", vertices);
     return out;
   }
 
   std::optional<Material> material_of(const tinygltf::Primitive& primitive,
-                                      const CoatAccessors& coats) {
+                                      const CoatAccessors& coats, const std::string& part) {
     std::optional<Material> material;
     if (has_material(primitive)) material = materials_.material(primitive.material);
     if (!material && coats.colours) material.emplace();  // white and dull
     if (!material) return material;
-    if (!coats.uv) {
-      for (TextureRef* ref : material->textures()) *ref = {};
-    }
     const auto refs = material->textures();
     const bool has_texture =
         std::any_of(refs.begin(), refs.end(), [](const TextureRef* r) { return r->is_there(); });
-    soup_.has_coats = soup_.has_coats || has_texture || coats.colours;
+    if (!coats.uv) {
+      for (TextureRef* ref : refs) *ref = {};
+      if (has_texture) {
+        without_uv_.insert(
+            fmt::format("{} (TEXCOORD_{})", part, materials_.uv_set(primitive.material)));
+      }
+    }
+    soup_.has_coats = soup_.has_coats || (has_texture && coats.uv) || coats.colours;
     return material;
   }
 
@@ -262,6 +290,7 @@ class Reader {
   std::vector<Eigen::Matrix4d> file_from_nodes_;
   std::set<int> visited_;
   int undrawn_primitives_ = 0;
+  std::set<std::string> without_uv_;  // parts
   MeshSoup soup_;
   TextureShelf shelf_;
   GltfMaterials materials_;
@@ -302,7 +331,8 @@ struct Files {
 
 bool is_readable(const std::string& path, void* files) {
   const auto& of = *static_cast<const Files*>(files);
-  return of.find_unpacked(path) != nullptr || of.folder.find(path).has_value();
+  // One that lies outside too: `read_buffer` says so.
+  return of.find_unpacked(path) != nullptr || of.folder.find(path) || of.folder.is_outside(path);
 }
 
 bool read_buffer(std::vector<unsigned char>* out, std::string* error, const std::string& path,
@@ -314,27 +344,13 @@ bool read_buffer(std::vector<unsigned char>* out, std::string* error, const std:
   }
   const auto found = of.folder.find(path);
   if (!found) {
-    *error = "lies outside the file's folder";
+    *error = "it lies outside the mesh's folder and is not read";
     return false;
   }
   const std::optional<std::string> bytes = whole_file(*found);
   if (!bytes) return false;
   out->assign(bytes->begin(), bytes->end());
   return true;
-}
-
-// A URI's path: "%20" is a space.
-std::string without_escapes(const std::string& uri) {
-  std::string path;
-  for (size_t i = 0; i < uri.size(); ++i) {
-    int code = 0;
-    const char* const digits = uri.data() + i + 1;
-    const bool is_escape = uri[i] == '%' && i + 2 < uri.size() &&
-                           std::from_chars(digits, digits + 2, code, 16).ptr == digits + 2;
-    path += is_escape ? static_cast<char>(code) : uri[i];
-    if (is_escape) i += 2;
-  }
-  return path;
 }
 
 // The buffer of a URI: data that stand in it, or a file.
@@ -345,7 +361,7 @@ GltfBytes buffer_of(const std::string& uri, Files& files) {
     tinygltf::DecodeDataURI(&out, unused, uri, 0, false);
     return out;
   }
-  if (!read_buffer(&out, &unused, without_escapes(uri), &files)) {
+  if (!read_buffer(&out, &unused, path_of_uri(uri), &files)) {
     throw InputError(fmt::format("buffer {} cannot be read", uri));
   }
   return out;
@@ -374,6 +390,10 @@ MeshSoup read_gltf_bytes(std::string_view bytes, const std::filesystem::path& fi
   }
   if (bytes.starts_with(kBinaryMagic)) require_whole_glb(bytes, file);
   std::string plain;
+  if (auto escaped = with_escaped_pluses(bytes)) {
+    plain = *std::move(escaped);
+    bytes = plain;
+  }
   try {
     if (auto unpacked =
             unpack_gltf(bytes, [&](const std::string& uri) { return buffer_of(uri, files); })) {

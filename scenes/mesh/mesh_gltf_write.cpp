@@ -68,11 +68,12 @@ struct PartVertices {
   std::vector<uint32_t> indices;
 };
 
-// The texture that lies on a part; none where there is none to write.
+// The texture by which a part's corners have their coordinates; none where there is none to write.
 const TextureRef* texture_on(const Mesh& mesh, int part) {
   const std::optional<Material>& material = mesh.parts[part].material;
-  if (!material || mesh.coats.empty() || !material->base_texture.is_there()) return nullptr;
-  return &material->base_texture;
+  if (!material || mesh.coats.empty()) return nullptr;
+  if (material->base_texture.is_there()) return &material->base_texture;
+  return material->occlusion_texture.is_there() ? &material->occlusion_texture : nullptr;
 }
 
 // Where a corner lies in a texture.
@@ -157,12 +158,26 @@ tinygltf::Material gltf_material(const Part& part) {
   out.pbrMetallicRoughness.baseColorFactor = {part.albedo, part.albedo, part.albedo, 1};
   out.pbrMetallicRoughness.metallicFactor = 0;
   out.pbrMetallicRoughness.roughnessFactor = 1;
+  out.doubleSided = !part.material || part.material->is_two_sided;
   if (!part.material || !part.material->has_gloss) return out;
   const Material& material = *part.material;
   out.pbrMetallicRoughness.baseColorFactor.assign(material.base.begin(), material.base.end());
   out.pbrMetallicRoughness.metallicFactor = material.metallic;
   out.pbrMetallicRoughness.roughnessFactor = material.roughness;
   return out;
+}
+
+// Puts a material's textures on the last one of the file, as far as they lie where `ref` lies.
+void add_textures(tinygltf::Model& model, const Material& material, const TextureRef& ref) {
+  tinygltf::Material& out = model.materials.back();
+  out.pbrMetallicRoughness.baseColorFactor.assign(material.base.begin(), material.base.end());
+  if (material.base_texture.is_there()) {
+    out.pbrMetallicRoughness.baseColorTexture.index = gltf_texture(model, material.base_texture);
+  }
+  const TextureRef& occlusion = material.occlusion_texture;
+  if (!occlusion.is_there() || occlusion.texture_from_uv != ref.texture_from_uv) return;
+  out.occlusionTexture.index = gltf_texture(model, occlusion);
+  out.occlusionTexture.strength = material.occlusion_strength;
 }
 
 void add_image(tinygltf::Model& model, BufferWriter& writer, const Texture& texture) {
@@ -202,10 +217,7 @@ void add_part(tinygltf::Model& model, BufferWriter& writer, const Mesh& mesh, in
 
   model.materials.push_back(gltf_material(mesh.parts[part]));
   if (const TextureRef* ref = texture_on(mesh, part)) {
-    tinygltf::PbrMetallicRoughness& pbr = model.materials.back().pbrMetallicRoughness;
-    const auto& base = mesh.parts[part].material->base;
-    pbr.baseColorFactor.assign(base.begin(), base.end());
-    pbr.baseColorTexture.index = gltf_texture(model, *ref);
+    add_textures(model, *mesh.parts[part].material, *ref);
   }
 
   tinygltf::Mesh gltf_mesh;

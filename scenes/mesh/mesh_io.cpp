@@ -160,6 +160,9 @@ LoadedMesh weld(MeshSoup& soup) {
     }
     mesh.triangles.push_back(
         {corners, face.part, i < soup.normals.size() ? soup.normals[i] : no_normals()});
+    const bool is_flat =
+        static_cast<size_t>(face.part) < soup.is_flat.size() && soup.is_flat[face.part] != 0;
+    if (is_flat) mesh.triangles.back().normal.fill(face_normal(mesh, mesh.triangles.back()));
     if (!kept.add_last(mesh.triangles)) {
       ++cleaning.duplicate_triangles;
       mesh.triangles.pop_back();

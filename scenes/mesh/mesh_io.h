@@ -40,7 +40,8 @@ struct LoadedMesh {
 /// caller). Coincident vertices are welded (within 1e-6 of the size), degenerate and duplicate
 /// triangles dropped; a triangle given once for each side is a duplicate, since both sides are
 /// drawn. Normals of the file are kept, turned to the side where their triangle is
-/// counter-clockwise; where it has none they are computed with a crease angle of 45 degrees. Each
+/// counter-clockwise; where it has none they are those of the triangles in glTF, and computed with
+/// a crease angle of 45 degrees in other formats. Each
 /// mesh (in glTF, each primitive) of each node is a part; its albedo is the luminance of the
 /// material's base or diffuse colour. Throws InputError for a missing, unreadable, empty, too large
 /// (1 GiB, 12 000 000 triangles, 65 535 parts) or non-finite mesh, one that its reader crashes on,
@@ -49,9 +50,11 @@ LoadedMesh read_mesh(const std::filesystem::path& file, const MeshFrame& frame =
 
 /// Writes a .glb with tinygltf, one node and material a part that has triangles, in glTF's own
 /// frame (y up, z forward): read it back with MeshFrame{"+z", "+y", 1}. Of a material its factors
-/// are written and the texture of its base colour, opaque and within the file; what else it has of
-/// textures, and the corners' colours, are lost. Where it has one, all the mesh's pictures are in
-/// the file. The same mesh gives the same bytes. Throws InputError when the file cannot be written.
+/// are written, its sides, and the textures of its base colour, opaque, and of its occlusion,
+/// within the file; what else it has of textures, an occlusion that lies otherwise than the colour,
+/// and the corners' colours are lost. A part without a material is there from both sides. Where it
+/// has a texture, all the mesh's pictures are in the file. The same mesh gives the same bytes.
+/// Throws InputError when the file cannot be written.
 void write_glb(const Mesh& mesh, const std::filesystem::path& file);
 
 }  // namespace sightline

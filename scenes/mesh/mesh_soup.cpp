@@ -70,11 +70,14 @@ void append(std::string& bytes, const Material& material) {
   append(bytes, material.emissive);
   append(bytes, static_cast<uint8_t>(material.alpha_mode));
   append(bytes, material.alpha_cutoff);
+  append(bytes, static_cast<uint8_t>(material.is_two_sided));
   append(bytes, material.normal_scale);
+  append(bytes, material.occlusion_strength);
   append(bytes, material.base_texture);
   append(bytes, material.gloss_texture);
   append(bytes, material.emissive_texture);
   append(bytes, material.normal_texture);
+  append(bytes, material.occlusion_texture);
 }
 
 bool has_surface(const MeshSoup& soup) {
@@ -89,11 +92,12 @@ void append(std::string& bytes, const Coat& coat) {
   for (const Eigen::Vector4f& c : coat.colour) append(bytes, std::array{c[0], c[1], c[2], c[3]});
 }
 
-void append_part(std::string& bytes, const Part& part) {
+void append_part(std::string& bytes, const Part& part, bool is_flat) {
   const std::string name = part.name.substr(0, kMaxNameBytes);
   append(bytes, static_cast<uint32_t>(name.size()));
   bytes += name;
   append(bytes, part.albedo);
+  append(bytes, static_cast<uint8_t>(is_flat));
 }
 
 // Triangles and points cross as they lie in memory: the other process is this very program.
@@ -166,7 +170,10 @@ class Decoder {
                               points > 3 * kMaxTriangles || normals > triangles;
     if (is_too_large) fail("its reader sent too large a mesh");
     MeshSoup soup;
-    for (uint64_t i = 0; i < parts; ++i) soup.parts.push_back(part());
+    for (uint64_t i = 0; i < parts; ++i) {
+      soup.parts.push_back(part());
+      soup.is_flat.push_back(number<uint8_t>());
+    }
     read_all(points, soup.points, [this](const Eigen::Vector3d& x) { check_point(x); });
     read_all(triangles, soup.triangles, [&](const SoupFace& face) {
       check_face(face, static_cast<int>(points), static_cast<int>(parts));
@@ -344,7 +351,9 @@ class Decoder {
     for (double& channel : out.emissive) channel = number_within(0, kLargestEmission);
     out.alpha_mode = choice(AlphaMode::kBlend);
     out.alpha_cutoff = number_within(0, 1e6);
+    out.is_two_sided = number<uint8_t>() != 0;
     out.normal_scale = number_within(-1e3, 1e3);
+    out.occlusion_strength = number_within(0, 1);
     for (TextureRef* ref : out.textures()) {
       *ref = reference(textures);
     }
@@ -453,7 +462,9 @@ void encode(const MeshSoup& soup, const std::function<void(std::string_view)>& w
   append(bytes, static_cast<uint64_t>(soup.triangles.size()));
   append(bytes, static_cast<uint64_t>(soup.points.size()));
   append(bytes, static_cast<uint64_t>(soup.normals.size()));
-  for (const Part& part : soup.parts) append_part(bytes, part);
+  for (size_t i = 0; i < soup.parts.size(); ++i) {
+    append_part(bytes, soup.parts[i], i < soup.is_flat.size() && soup.is_flat[i] != 0);
+  }
   pieces.pass();
   write(bytes_of(soup.points));
   write(bytes_of(soup.triangles));

@@ -44,6 +44,9 @@ struct MeshSoup {
   /// Of the triangles' corners, unit, or zero where the file has none; those of the last triangles
   /// may be missing.
   std::vector<std::array<Eigen::Vector3d, 3>> normals = {};
+  /// Of the parts, whether all their corners have the normals of their triangles; those of the last
+  /// parts may be missing.
+  std::vector<uint8_t> is_flat = {};
   std::vector<Coat> coats = {};  ///< of the triangles; those of the last ones may be missing
   std::vector<Part> parts;
   bool has_coats = false;

@@ -8,8 +8,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <zlib.h>
 
 namespace sightline {
@@ -159,6 +161,14 @@ std::string beginning_in_zip(std::string_view archive, std::string_view ending) 
     return method == 8 ? inflated_beginning(packed) : "";
   }
   return "";
+}
+
+std::string listed(const std::set<std::string>& names) {
+  constexpr size_t kMost = 5;
+  const auto count = static_cast<std::ptrdiff_t>(std::min(kMost, names.size()));
+  const std::string text =
+      fmt::format("{}", fmt::join(names.begin(), std::next(names.begin(), count), ", "));
+  return names.size() <= kMost ? text : fmt::format("{} and {} more", text, names.size() - kMost);
 }
 
 std::string tidy_stl(std::string_view bytes) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -29,5 +30,8 @@ std::string beginning_in_zip(std::string_view archive, std::string_view ending);
 /// An .stl as Assimp wants it: a binary one without what follows its triangles, a text one with
 /// keywords in lower case. Empty where it is so already.
 std::string tidy_stl(std::string_view bytes);
+
+/// Names as a line tells them: "a, b and 3 more".
+std::string listed(const std::set<std::string>& names);
 
 }  // namespace sightline

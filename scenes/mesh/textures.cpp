@@ -51,6 +51,33 @@ void to_rgba(const cv::Mat& picture, std::vector<uint8_t>& rgba) {
   }
 }
 
+// The opacity that a picture says by its alpha or, where that is full, by its brightness; row by
+// row. By hand, since OpenCV's threads are not there in a reader's process.
+std::vector<uint8_t> alphas_of(const Texture& picture, bool by_brightness) {
+  std::vector<uint8_t> alphas(picture.rgba.size() / 4);
+  for (size_t i = 0; i < alphas.size(); ++i) alphas[i] = picture.rgba[4 * i + 3];
+  if (!by_brightness || std::any_of(alphas.begin(), alphas.end(), [](int a) { return a != 255; })) {
+    return alphas;
+  }
+  for (size_t i = 0; i < alphas.size(); ++i) {
+    const uint8_t* texel = picture.rgba.data() + 4 * i;
+    alphas[i] =
+        static_cast<uint8_t>((299 * texel[0] + 587 * texel[1] + 114 * texel[2] + 500) / 1000);
+  }
+  return alphas;
+}
+
+// Lays the opacity of a picture of another size on a texture: that of the nearest of its texels.
+void put_alphas(const std::vector<uint8_t>& alphas, cv::Size size, Texture& on) {
+  for (int v = 0; v < on.height; ++v) {
+    const int64_t row = (2 * int64_t{v} + 1) * size.height / (2 * int64_t{on.height});
+    for (int u = 0; u < on.width; ++u) {
+      const int64_t column = (2 * int64_t{u} + 1) * size.width / (2 * int64_t{on.width});
+      on.rgba[4 * (size_t(v) * on.width + u) + 3] = alphas[row * size.width + column];
+    }
+  }
+}
+
 }  // namespace
 
 double linear_from_srgb(double encoded) {
@@ -59,6 +86,10 @@ double linear_from_srgb(double encoded) {
 
 double srgb_from_linear(double linear) {
   return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+double within_unit(double value) {
+  return value > 0 ? std::min(value, 1.0) : 0.0;
 }
 
 Texture decode_texture(std::string_view bytes, int64_t pixels_left) {
@@ -100,12 +131,38 @@ int TextureShelf::from_file(const std::string& named, bool is_srgb) {
     if (!file) continue;
     if (const auto bytes = whole_file(*file)) return add(named, is_srgb, *bytes);
   }
-  return lose(named, "is missing");
+  return miss(named);
 }
 
 int TextureShelf::from_bytes(std::string_view bytes, const std::string& name, bool is_srgb) {
   if (const auto known = known_.find({name, is_srgb}); known != known_.end()) return known->second;
-  return bytes.empty() ? lose(name, "is missing") : add(name, is_srgb, bytes);
+  return bytes.empty() ? miss(name) : add(name, is_srgb, bytes);
+}
+
+std::pair<int, AlphaMode> TextureShelf::with_alpha(int colour, int alpha) {
+  const Texture& from = soup_.textures[alpha];
+  const bool is_same = colour >= 0 && soup_.textures[colour].name == from.name;
+  const std::vector<uint8_t> alphas = alphas_of(from, !is_same);
+  const auto is = [&](auto... values) {
+    return std::all_of(alphas.begin(), alphas.end(), [=](int a) { return ((a == values) || ...); });
+  };
+  if (is(255)) return {colour, AlphaMode::kOpaque};
+  const AlphaMode mode = is(0, 255) ? AlphaMode::kMask : AlphaMode::kBlend;
+  const std::string name =
+      fmt::format("{} within {}", colour >= 0 ? soup_.textures[colour].name : "white", from.name);
+  if (const auto known = known_.find({name, true}); known != known_.end()) {
+    return {known->second, mode};
+  }
+  const Texture& under = colour >= 0 ? soup_.textures[colour] : from;
+  const int64_t pixels = int64_t{under.width} * under.height;
+  if (pixels > pixels_left_) return {lose(name, "is one too many"), AlphaMode::kOpaque};
+  make_room_for(pixels);
+  Texture cut = under;
+  if (colour < 0) cut.rgba.assign(cut.rgba.size(), 255);
+  put_alphas(alphas, {from.width, from.height}, cut);
+  cut.name = name;
+  cut.is_srgb = true;
+  return {keep(std::move(cut)), mode};
 }
 
 int TextureShelf::add(const std::string& name, bool is_srgb, std::string_view bytes) {
@@ -113,14 +170,25 @@ int TextureShelf::add(const std::string& name, bool is_srgb, std::string_view by
     Texture texture = decode_texture(bytes, pixels_left_);
     texture.name = name;
     texture.is_srgb = is_srgb;
-    pixels_left_ -= int64_t{texture.width} * texture.height;
-    soup_.textures.push_back(std::move(texture));
+    return keep(std::move(texture));
   } catch (const InputError& error) {
     return lose(name, error.what());
   }
-  const int index = static_cast<int>(soup_.textures.size()) - 1;
-  known_[{name, is_srgb}] = index;
+}
+
+int TextureShelf::keep(Texture texture) {
+  const int index = static_cast<int>(soup_.textures.size());
+  pixels_left_ -= int64_t{texture.width} * texture.height;
+  known_[{texture.name, texture.is_srgb}] = index;
+  soup_.textures.push_back(std::move(texture));
   return index;
+}
+
+int TextureShelf::miss(const std::string& named) {
+  std::string path = named;
+  std::replace(path.begin(), path.end(), '\\', '/');
+  return lose(named, folder_.is_outside(path) ? "lies outside the mesh's folder and is not read"
+                                              : "is missing");
 }
 
 int TextureShelf::lose(const std::string& name, const std::string& reason) {

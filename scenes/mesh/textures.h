@@ -23,6 +23,9 @@ double linear_from_srgb(double encoded);
 /// Its inverse.
 double srgb_from_linear(double linear);
 
+/// The number within 0 and 1; 0 of what is no number.
+double within_unit(double value);
+
 /// Decodes a picture of a format that textures have here (PNG, JPEG, BMP, WebP, TIFF), 8 or 16
 /// bits, one to four channels. Its size is known from its header before anything is decoded. Throws
 /// InputError, whose text goes on after the texture's name ("is torn or damaged"), for one that is
@@ -40,10 +43,17 @@ class TextureShelf {
   int from_file(const std::string& named, bool is_srgb);
   /// The index of a texture whose file's bytes are these; none: it is missing.
   int from_bytes(std::string_view bytes, const std::string& name, bool is_srgb);
+  /// The index of a texture with the colours of one, or white ones of index -1, and the opacity of
+  /// another: its alpha or, where it has none and is another picture, its brightness. The mode says
+  /// what that opacity needs; kOpaque: it is everywhere 1, and the index that of the colours.
+  std::pair<int, AlphaMode> with_alpha(int colour, int alpha);
+  /// Says why the texture of that name cannot be had; -1.
+  int lose(const std::string& name, const std::string& reason);
 
  private:
   int add(const std::string& name, bool is_srgb, std::string_view bytes);
-  int lose(const std::string& name, const std::string& reason);
+  int keep(Texture texture);
+  int miss(const std::string& named);
 
   MeshSoup& soup_;
   MeshFolder folder_;

@@ -289,10 +289,42 @@ TEST_F(GltfExtensions, WhatIsRequiredAndNotKnownIsRefusedByName) {
   builder.add_box();
   builder.gltf["extensionsUsed"] = {"XYZ_curved_space"};
   expect_box(read(builder));
-  builder.gltf["extensionsRequired"] = {"KHR_materials_clearcoat"};
+  builder.gltf["extensionsRequired"] = {"KHR_materials_unlit"};
   expect_box(read(builder));
-  builder.gltf["extensionsRequired"] = {"XYZ_curved_space"};
-  EXPECT_THAT(error(builder), HasSubstr("requires the extension XYZ_curved_space"));
+  for (const char* unknown : {"XYZ_curved_space", "KHR_materials_transmission"}) {
+    builder.gltf["extensionsRequired"] = {unknown};
+    EXPECT_THAT(error(builder), HasSubstr(std::string("requires the extension ") + unknown));
+    EXPECT_THAT(error(builder), HasSubstr("known: KHR_mesh_quantization"));
+  }
+}
+
+TEST_F(GltfExtensions, FewerNormalsThanVerticesAreRefused) {
+  Builder builder;
+  builder.add_box();
+  builder.primitive()["attributes"]["NORMAL"] =
+      builder.add(std::vector<float>{0, 0, 1}, 5126, "VEC3", 3);
+  EXPECT_THAT(error(builder), HasSubstr("1 elements of NORMAL for 8 vertices"));
+}
+
+// glTF 2.0, 3.7.2.1: without normals they are flat, also where the faces turn by little.
+TEST_F(GltfExtensions, WithoutNormalsTheFacesAreFlat) {
+  Builder roof;
+  roof.add(std::vector<float>{0, 0, 0, 1, 0, 0.2f, 2, 0, 0, 0, 1, 0, 1, 1, 0.2f, 2, 1, 0}, 5126,
+           "VEC3", 3);
+  roof.add(std::vector<uint16_t>{0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4}, 5123, "SCALAR", 1);
+  const Mesh mesh = read(roof);
+  ASSERT_EQ(mesh.triangles.size(), 4u);
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const Eigen::Vector3d& normal : triangle.normal) {
+      EXPECT_NEAR((normal - face_normal(mesh, triangle)).norm(), 0, 1e-6);
+    }
+  }
+  const Mesh smooth = read_mesh(folder_.write("roof.obj",
+                                              "v 0 0 0\nv 1 0 0.2\nv 2 0 0\nv 0 1 0\nv 1 1 0.2\n"
+                                              "v 2 1 0\nf 1 2 5 4\nf 2 3 6 5\n"))
+                          .mesh;
+  const Triangle& first = smooth.triangles.front();
+  EXPECT_GT((first.normal[1] - face_normal(smooth, first)).norm(), 0.1);
 }
 
 TEST_F(GltfExtensions, WhatIsNotDrawnIsSaid) {

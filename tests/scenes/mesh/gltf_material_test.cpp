@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
 
+#include "scenes/mesh/gltf_uri.h"
 #include "scenes/picture/picture_file.h"
 #include "tests/scenes/error_text.h"
 #include "tests/scenes/temporary_folder.h"
@@ -126,6 +127,117 @@ TEST_F(GltfMaterial, AnImageThatIsLostIsNamedAndTheRestIsThere) {
   EXPECT_THAT(mesh(kPainted, "", "torn.png").lost_textures, ElementsAre(HasSubstr("torn")));
   EXPECT_THAT(mesh(kPainted, "", "../picture.png").lost_textures,
               ElementsAre(HasSubstr("missing")));
+}
+
+TEST_F(GltfMaterial, AnImageOutsideTheFolderIsSaidToLieThere) {
+  std::filesystem::create_directory(folder_.path() / "inside");
+  for (const char* name : {"mesh.bin", "picture.png"}) {
+    std::filesystem::copy(folder_.path() / name, folder_.path() / "inside" / name);
+  }
+  const auto file = folder_.write("inside/mesh.gltf", text(kPainted, "", "../picture.png", "test"));
+  EXPECT_THAT(read_mesh(file).mesh.lost_textures,
+              ElementsAre("texture ../picture.png lies outside the mesh's folder and is not read"));
+}
+
+// RFC 3986: "%20" is a space, "+" is not.
+TEST_F(GltfMaterial, APlusInAnUriIsAPlus) {
+  folder_.write("a+b c.png", png_bytes(cv::Mat(3, 5, CV_8UC3, cv::Scalar(1, 2, 3))));
+  folder_.write("a b c.png", png_bytes(cv::Mat(1, 1, CV_8UC3, cv::Scalar(1, 2, 3))));
+  for (const char* uri : {"a+b%20c.png", "a%2Bb c.png"}) {
+    const Mesh painted = mesh(kPainted, "", uri);
+    ASSERT_EQ(painted.textures.size(), 1u) << uri;
+    EXPECT_EQ(painted.textures[0]->width, 5) << uri;
+    EXPECT_EQ(painted.textures[0]->name, "a+b c.png") << uri;
+  }
+  std::string of_plus = text(kPainted, "", "picture.png", "test");
+  of_plus.replace(of_plus.find("mesh.bin"), 8, "m+s.bin");
+  folder_.write("m+s.bin", read_whole(folder_.path() / "mesh.bin"));
+  EXPECT_EQ(read_mesh(folder_.write("plus.gltf", of_plus)).mesh.triangles.size(), 1u);
+}
+
+TEST(GltfUri, OfABinaryFileTheChunksStayWhole) {
+  const auto chunk = [](const char* kind, const std::string& content) {
+    const auto length = static_cast<uint32_t>(content.size());
+    return std::string(reinterpret_cast<const char*>(&length), 4) + std::string(kind, 4) + content;
+  };
+  const auto file = [&](const std::string& content) {
+    const std::string chunks = chunk("JSON", content) + chunk("BIN\0", "1+2=");
+    const auto length = static_cast<uint32_t>(12 + chunks.size());
+    return std::string("glTF\2\0\0\0", 8) + std::string(reinterpret_cast<const char*>(&length), 4) +
+           chunks;
+  };
+  EXPECT_EQ(with_escaped_pluses(file(R"({"uri": "a+b", "name": "c+"})")),
+            file(R"({"uri": "a%2Bb", "name": "c+"}  )"));
+  EXPECT_EQ(with_escaped_pluses(file(R"({"uri": "data:,a+b" })")), std::nullopt);
+  EXPECT_EQ(with_escaped_pluses(file(R"({"uri": "a%20b" })")), std::nullopt);
+}
+
+TEST_F(GltfMaterial, ATextureThatTheFileDoesNotHaveIsRefused) {
+  constexpr const char* kSeventh =
+      R"({"name": "paint", "pbrMetallicRoughness": {"baseColorTexture": {"index": 7}}})";
+  EXPECT_THAT(error_of([&] { mesh(kSeventh); }),
+              HasSubstr("the base texture of paint is number 7, but it has 1"));
+}
+
+TEST_F(GltfMaterial, CoordinatesThatAreNotThereAreSaid) {
+  constexpr const char* kSecondSet =
+      R"({"name": "paint", "pbrMetallicRoughness": {"baseColorTexture": {"index": 0, "texCoord": 1}}})";
+  const Mesh bare = mesh(kSecondSet);
+  EXPECT_THAT(bare.notes, ElementsAre("drawn without textures, whose coordinates are not there: "
+                                      "paint (TEXCOORD_1)"));
+  EXPECT_FALSE(bare.parts[0].material->base_texture.is_there());
+  const Mesh two_sets = mesh(R"({"name": "paint", "pbrMetallicRoughness":
+    {"baseColorTexture": {"index": 0}}, "normalTexture": {"index": 0, "texCoord": 1}})");
+  EXPECT_THAT(two_sets.notes, ElementsAre(HasSubstr("the normal texture of paint")));
+  EXPECT_THAT(mesh(kPainted).notes, ElementsAre());
+}
+
+TEST_F(GltfMaterial, FewerCoordinatesThanVerticesAreRefused) {
+  std::string three_of_four = text(kPainted, "", "picture.png", "test");
+  const std::string whole = R"("VEC2", "count": 3)";
+  three_of_four.replace(three_of_four.find(whole), whole.size(), R"("VEC2", "count": 2)");
+  EXPECT_THAT(error_of([&] { read_mesh(folder_.write("few.gltf", three_of_four)); }),
+              HasSubstr("2 elements of TEXCOORD_0 for 3 vertices"));
+}
+
+TEST_F(GltfMaterial, AFormatThatIsNotReadIsNamed) {
+  std::string packed = text(kPainted, "", "picture.png", "test");
+  const std::string source = R"("source": 0,)";
+  packed.replace(packed.find(source), source.size(),
+                 R"("extensions": {"KHR_texture_basisu": {"source": 0}},)");
+  EXPECT_THAT(read_mesh(folder_.write("packed.gltf", packed)).mesh.lost_textures,
+              ElementsAre("texture number 0 is in a format that is not read (KTX 2, "
+                          "KHR_texture_basisu)"));
+}
+
+TEST_F(GltfMaterial, BothSidesAreThereWhereTheFileSaysSo) {
+  EXPECT_FALSE(mesh(kPainted).parts[0].material->is_two_sided);
+  EXPECT_TRUE(mesh(R"({"doubleSided": true})").parts[0].material->is_two_sided);
+}
+
+TEST_F(GltfMaterial, AnOcclusionTextureIsLinearAndCheckedAsTheOthers) {
+  constexpr const char* kShaded = R"({"occlusionTexture": {"index": 0, "strength": 0.25}})";
+  const Mesh shaded = mesh(kShaded);
+  const Material& material = *shaded.parts[0].material;
+  ASSERT_TRUE(material.occlusion_texture.is_there());
+  EXPECT_EQ(material.occlusion_strength, 0.25);
+  EXPECT_FALSE(shaded.textures[material.occlusion_texture.texture]->is_srgb);
+  folder_.write("garbage.png", "no picture at all");
+  EXPECT_THAT(mesh(kShaded, "", "garbage.png").lost_textures, ElementsAre(HasSubstr("garbage")));
+}
+
+TEST_F(GltfMaterial, WhatIsWrittenHasItsSidesAndItsOcclusionAgain) {
+  Mesh shaded = mesh(R"({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}},
+    "occlusionTexture": {"index": 0, "strength": 0.5}, "doubleSided": true})");
+  const auto file = folder_.path() / "written.glb";
+  write_glb(shaded, file);
+  const Material both = *read_mesh(file).mesh.parts[0].material;
+  EXPECT_TRUE(both.is_two_sided);
+  EXPECT_TRUE(both.occlusion_texture.is_there());
+  EXPECT_EQ(both.occlusion_strength, 0.5);
+  shaded.parts[0].material->is_two_sided = false;
+  write_glb(shaded, file);
+  EXPECT_FALSE(read_mesh(file).mesh.parts[0].material->is_two_sided);
 }
 
 TEST_F(GltfMaterial, OursAreDullWhereTheySaySoAndWhatHasNoMaterialIsWhite) {

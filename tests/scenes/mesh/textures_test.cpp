@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/mesh/textures.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <opencv2/core.hpp>
@@ -129,7 +131,7 @@ TEST_F(TexturedMesh, OneThatIsLostIsNamed) {
               ElementsAre(HasSubstr("texture wide.png has 100000 x 1 px")));
   // What lies outside the mesh's folder is not opened; a path from elsewhere is tried by its name.
   EXPECT_THAT(read_mesh(square("map_Kd ../../etc/hostname\n")).mesh.lost_textures,
-              ElementsAre(HasSubstr("missing")));
+              ElementsAre(HasSubstr("lies outside the mesh's folder")));
   write_picture();
   EXPECT_EQ(read_mesh(square("map_Kd C:\\work\\label.png\n")).mesh.textures.size(), 1u);
 }
@@ -176,6 +178,54 @@ TEST_F(TexturedMesh, PlyBringsThePictureAndTheColoursOfItsVertices) {
   EXPECT_NEAR(greenest, linear_from_srgb(128 / 255.0), 1e-6);
 }
 
+// Two triangles and a quadrangle, each of its own colour, which its corners do not share.
+TEST_F(TexturedMesh, PlyBringsTheColoursOfItsFaces) {
+  const std::string head =
+      "element vertex 6\nproperty float x\nproperty float y\nproperty float z\n"
+      "element face 3\nproperty list uchar int vertex_indices\n"
+      "property uchar red\nproperty uchar green\nproperty uchar blue\nend_header\n";
+  const std::vector<std::array<float, 3>> points = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0},
+                                                    {0, 1, 0}, {1, 1, 0}, {2, 1, 0}};
+  const std::vector<std::vector<int>> faces = {{0, 1, 4}, {0, 4, 3}, {1, 2, 5, 4}};
+  const std::vector<std::array<uint8_t, 3>> colours = {{255, 0, 0}, {0, 128, 0}, {0, 0, 255}};
+  std::string text = "ply\nformat ascii 1.0\n" + head;
+  std::string binary = "ply\nformat binary_little_endian 1.0\n" + head;
+  for (const auto& [x, y, z] : points) {
+    text += fmt::format("{} {} {}\n", x, y, z);
+    for (const float number : {x, y, z}) {
+      binary.append(reinterpret_cast<const char*>(&number), sizeof number);
+    }
+  }
+  for (size_t i = 0; i < faces.size(); ++i) {
+    const auto& [r, g, b] = colours[i];
+    text += fmt::format("{} {} {} {} {}\n", faces[i].size(), fmt::join(faces[i], " "), r, g, b);
+    binary += static_cast<char>(faces[i].size());
+    for (const int corner : faces[i]) {
+      binary.append(reinterpret_cast<const char*>(&corner), sizeof corner);
+    }
+    for (const uint8_t channel : colours[i]) binary += static_cast<char>(channel);
+  }
+  for (const std::string& bytes : {text, binary}) {
+    const Mesh mesh = read_mesh(folder_.write("faces.ply", bytes)).mesh;
+    EXPECT_THAT(mesh.notes, testing::IsEmpty());
+    ASSERT_EQ(mesh.coats.size(), 4u);
+    for (size_t i = 0; i < 4; ++i) {
+      for (const Eigen::Vector4f& colour : mesh.coats[i].colour) {
+        const auto& expected = colours[std::min<size_t>(i, 2)];
+        for (int channel = 0; channel < 3; ++channel) {
+          EXPECT_NEAR(colour[channel], linear_from_srgb(expected[channel] / 255.0), 1e-6) << i;
+        }
+      }
+    }
+  }
+  std::string torn = text;
+  torn.replace(torn.find("element vertex 6\n"), 17,
+               "element scan 1\nproperty list uchar int of\nelement vertex 6\n");
+  torn.insert(torn.find("end_header\n") + 11, "1 7\n");
+  EXPECT_THAT(read_mesh(folder_.write("lists.ply", torn)).mesh.notes,
+              testing::Contains("not drawn: the colours of its faces"));
+}
+
 // A soup with everything that a surface may have.
 MeshSoup painted_triangle() {
   MeshSoup soup;
@@ -193,6 +243,9 @@ MeshSoup painted_triangle() {
   material.base_texture.texture = 0;
   material.base_texture.wrap_v = Wrap::kMirror;
   material.base_texture.texture_from_uv[2] = 7;
+  material.is_two_sided = false;
+  material.occlusion_texture.texture = 0;
+  material.occlusion_strength = 0.25;
   soup.parts = {{"label", 0.5, material}};
   soup.has_coats = true;
   soup.textures = {{"label.png", 2, 1, true, {1, 2, 3, 4, 5, 6, 7, 8}}};
@@ -207,6 +260,9 @@ TEST(MeshSurface, CrossesAsBytes) {
   ASSERT_TRUE(back.parts[0].material);
   EXPECT_EQ(back.parts[0].material->emissive[0], 3);
   EXPECT_EQ(back.parts[0].material->base_texture.wrap_v, Wrap::kMirror);
+  EXPECT_FALSE(back.parts[0].material->is_two_sided);
+  EXPECT_EQ(back.parts[0].material->occlusion_texture.texture, 0);
+  EXPECT_EQ(back.parts[0].material->occlusion_strength, 0.25);
   EXPECT_EQ(back.coats[0].uv[1], soup.coats[0].uv[1]);
   EXPECT_EQ(back.textures[0].rgba, soup.textures[0].rgba);
   EXPECT_EQ(back.lost_textures, soup.lost_textures);
