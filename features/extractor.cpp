@@ -224,6 +224,16 @@ std::vector<StretchCandidates> straight_candidates(const ExtractionInput& input)
                           input.window, input.background_grey});
 }
 
+// How edges are looked for around the pose that was matched jointly. It is known to a few tenths of
+// a pixel: the print's borders beside the edges may stay outside, and between there is so little
+// else that fainter edges are looked for, such as those of the print's dark squares.
+ExtractorOptions about_matched(ExtractorOptions options) {
+  options.is_gated = true;
+  options.search.least_half_px = 2.5;
+  options.search.threshold_noises *= 0.6;
+  return options;
+}
+
 // The view from the pose with which the lines along all edges agree, if they do with one.
 std::optional<PredictedView> jointly_matched(const std::vector<Channel>& channels,
                                              const PredictedView& view,
@@ -303,8 +313,7 @@ std::vector<Observation> extract_features(const cv::Mat& image, double white,
   if (matches_edges_jointly(view, options)) {
     matched = jointly_matched(channels, view, choice, options);
   }
-  ExtractorOptions gated = options;
-  gated.is_gated = true;
+  const ExtractorOptions gated = about_matched(options);
   std::vector<Observation> observations;
   for (size_t i = 0; i < view.features.size(); ++i) {
     // The other extractors see what they would see without: they are compared with each other.

@@ -77,12 +77,13 @@ Localisation on_print(std::vector<std::string> set) {
   return statistics.summary();
 }
 
-// 60 trials have 90 % found, 2.9 % of them outliers.
+// 60 trials have 89 % found, 2.1 % of them outliers; 2.9 % where the pose matched jointly is looked
+// around as a second pass looks.
 TEST(PrintedCube, ModelEdgesDoNotTakePrintForEdgesInOnePass) {
   const Localisation found = on_print({});
   EXPECT_GE(found.found_rate.value, 0.85);
   EXPECT_GE(found.near_rate.value, 0.83);
-  EXPECT_LE(found.outlier_rate.value, 0.045);
+  EXPECT_LE(found.outlier_rate.value, 0.025);
 }
 
 // 14 % are where each edge is looked for by itself.

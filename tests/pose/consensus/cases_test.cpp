@@ -161,5 +161,20 @@ TEST(PoseCases, ManyOutliersAreRemoved) {
   EXPECT_GT((other.estimate.cam_from_target.translation - truth.translation).norm(), kToleranceM);
 }
 
+/// Two of five points are near the camera. The others alone lead to a pose that has the near ones
+/// behind the camera: they have no residual there, and must not count as points that fit.
+TEST(PoseCases, PointsBehindTheCameraSpeakForNoPose) {
+  const Solved s = solved("11_near_points_behind");
+  ASSERT_EQ(s.estimate.status, PoseStatus::kOk);
+  EXPECT_THAT(s.estimate.removed, IsEmpty());
+  EXPECT_FALSE(is_ambiguous(s.estimate));
+  // At the pose that the pixels were drawn from no residual is over three deviations of 7.5 px.
+  EXPECT_GT(removed_probability(s.estimate), 0.5);
+  // The nearest point moves by 300 / 0.12 = 2500 px a metre: 7.5 px are 3 mm, sideways. No more
+  // than thirty times that is unknown of the position in all.
+  constexpr double kMostM = 0.1;
+  EXPECT_LT(s.estimate.covariance.value().diagonal().tail<3>().sum(), kMostM * kMostM);
+}
+
 }  // namespace
 }  // namespace sightline
