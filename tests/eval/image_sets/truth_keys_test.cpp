@@ -6,9 +6,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <opencv2/core.hpp>
 
 #include "eval/image_sets/set_format.h"
 #include "eval/image_sets/truth.h"
+#include "scenes/picture/picture_file.h"
 #include "tests/scenes/temporary_folder.h"
 
 namespace sightline {
@@ -61,8 +63,11 @@ TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
   const TemporaryFolder folder;
   const auto panorama = folder.write(
       "grey.hdr", "#?RADIANCE\n\n-Y 1 +X 2\n" + std::string({64, 64, 64, 127, 64, 64, 64, 127}));
+  const auto picture = folder.write("grey.png", png_bytes(cv::Mat(2, 2, CV_8UC3, cv::Scalar(9))));
   Json truth = truth_with(
-      {"other=[{target='cube', scale=0.1}]", "image.colour=rgb", "image.vignetting=0.1",
+      {"material.value=0.5", "material.roughness=0.5", "material.metallic=0.5",
+       "material.emission=0.5", "material.textures=" + picture.string(), "material.per=part",
+       "image.response=[1, 0, 0, 0, 1, 0, 0, 0.5, 1]", "other=[{target='cube', scale=0.1}]", "image.colour=rgb", "image.vignetting=0.1",
        "image.jpeg_quality=90", "image.white_balance=[1.0, 1.0, 2.0]", "light.second=0.1",
        "light.colour=[1.0, 1.0, 0.5]", "light.second_colour=[1.0, 0.5, 0.5]",
        "light.casts_shadow=true", "light.radius_deg=0.27", "light.occlusion=true",
@@ -80,7 +85,7 @@ TEST(Truth, HasAValueOfEveryKeyThatMakesThePicture) {
 // Sets of before colour are verified by what they state.
 TEST(Truth, OfAGreyPictureIsWhatItAlwaysWas) {
   const Json scene = truth_with({})["scene"];
-  for (const char* part : {"colouring", "lamps", "environment", "optics"}) {
+  for (const char* part : {"colouring", "lamps", "materials", "environment", "optics"}) {
     EXPECT_FALSE(scene.contains(part)) << part;
   }
   for (const char* fact :
@@ -88,7 +93,7 @@ TEST(Truth, OfAGreyPictureIsWhatItAlwaysWas) {
     EXPECT_FALSE(scene["light"].contains(fact)) << fact;
   }
   EXPECT_FALSE(scene["motion"].contains("readout"));
-  for (const char* fact : {"vignetting", "jpeg_quality", "white_balance"}) {
+  for (const char* fact : {"vignetting", "jpeg_quality", "white_balance", "response"}) {
     EXPECT_FALSE(scene["sensor"].contains(fact)) << fact;
   }
 }

@@ -35,7 +35,7 @@ TEST(KeyLists, ATableIsListedAlone) {
   const Outcome all = run("list keys");
   for (const char* heading :
        {"[camera]", "[poses]", "[[poses.fixed]]", "[image]", "[noise]", "[background]", "[light]",
-        "[livery]", "[motion]", "[[other]]", "[prior]", "[extraction]", "[extraction.lines]",
+        "[livery]", "[material]", "[motion]", "[[other]]", "[prior]", "[extraction]", "[extraction.lines]",
         "[solver]", "[outliers]", "[points]", "[dataset]", "[sweep]", "[limits]"}) {
     EXPECT_THAT(all.output, HasSubstr(std::string(heading) + "\n"));
   }
