@@ -129,7 +129,8 @@ void add_value(Condition& condition, const SweptValue& swept, bool is_alone,
 
 std::vector<SweptCell> read_sweeps(const TomlTable& table, const std::vector<std::string>& tables,
                                    const std::vector<std::string>& axes) {
-  if (!table.is_array("sweep")) return combinations(read_sweep(table, table.table("sweep"), tables, axes));
+  if (!table.is_array("sweep"))
+    return combinations(read_sweep(table, table.table("sweep"), tables, axes));
   if (!axes.empty()) table.fail("sweep", "must be one table of a study without images");
   std::vector<SweptCell> cells;
   for (const TomlTable& sweep : table.tables("sweep")) {

@@ -34,10 +34,9 @@ fs::path named_path(const TomlTable& table, std::string_view given) {
 FileDraw files_of(const TomlTable& table, const std::string& table_name, std::string_view key,
                   const fs::path& found, const std::string& given,
                   const std::function<bool(const fs::path&)>& is_one, std::string_view kind) {
-  FileDraw draw{
-      .key = fmt::format("{}: {}.{}", table.file().string(), table_name, key),
-      .given = given,
-      .files = {}};
+  FileDraw draw{.key = fmt::format("{}: {}.{}", table.file().string(), table_name, key),
+                .given = given,
+                .files = {}};
   std::error_code error;
   for (auto entry = fs::directory_iterator(found, error); !error && entry != fs::end(entry);
        entry.increment(error)) {

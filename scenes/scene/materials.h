@@ -28,16 +28,17 @@ struct DrawnMaterial {
   std::optional<double> roughness;
   std::optional<double> metallic;
   std::optional<double> emission;
-  std::string texture;    ///< the picture's file; empty: the part's own
-  double texture_m = 0;   ///< the width of a picture on a surface without texture coordinates
+  std::string texture;   ///< the picture's file; empty: the part's own
+  double texture_m = 0;  ///< the width of a picture on a surface without texture coordinates
 };
 
 /// A body that materials are drawn for.
 struct DressedBody {
-  std::shared_ptr<const Target> target;   ///< as it is seen without
-  std::shared_ptr<const Target> prepared; ///< with texture coordinates for all parts that need them
-  std::vector<bool> has_box_uv;           ///< by part: these are of a box, in metres
-  double side_m = 0;                      ///< the longest of its mesh's box
+  std::shared_ptr<const Target> target;  ///< as it is seen without
+  std::shared_ptr<const Target>
+      prepared;                  ///< with texture coordinates for all parts that need them
+  std::vector<bool> has_box_uv;  ///< by part: these are of a box, in metres
+  double side_m = 0;             ///< the longest of its mesh's box
 };
 
 class FileTextures;

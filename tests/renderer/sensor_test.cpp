@@ -169,8 +169,8 @@ TEST(Sensor, TheResponseMixesLightBeforeAllElse) {
       0, 0, 3;
   sensor.white_balance = {1, 2, 1};
   const double red = 0.5 * 0.4 + 0.25 * 0.2 + 0.5 * 0.1, green = 2 * (0.4 - 0.2), blue = 3 * 0.1;
-  for (const cv::Mat& image : {expose(light, sensor, stream()),
-                               expose_mosaic(light, sensor, stream())}) {
+  for (const cv::Mat& image :
+       {expose(light, sensor, stream()), expose_mosaic(light, sensor, stream())}) {
     const cv::Vec3w at = image.at<cv::Vec3w>(2, 2);
     EXPECT_NEAR(at[0], 65535 * blue, 1);
     EXPECT_NEAR(at[1], 65535 * green, 1);

@@ -43,8 +43,8 @@ TEST_F(ImageSet, IsNotBegunWithATornFileOfAFolder) {
   folder_.write("pictures/b.png", good.substr(0, good.size() / 2));
   for (const std::string key : {"material.textures", "background.file"}) {
     const std::string kind = key == "background.file" ? "--set background.kind=image " : "";
-    const std::string more = fmt::format("--count 12 --quiet {}--set {}={} ", kind, key,
-                                         path("pictures"));
+    const std::string more =
+        fmt::format("--count 12 --quiet {}--set {}={} ", kind, key, path("pictures"));
     for (const std::string jobs : {"--jobs 1", "--jobs 2"}) {
       const Outcome torn = render("set", more + jobs);
       EXPECT_EQ(torn.exit_code, 1);
@@ -60,8 +60,10 @@ TEST_F(ImageSet, OfStudiesIsNotBegunEither) {
   folder_.write("skies/a.hdr",
                 "#?RADIANCE\n\n-Y 1 +X 2\n" + std::string({64, 64, 64, 127, 64, 64, 64, 127}));
   folder_.write("skies/b.hdr", "#?RADIANCE\n\n-Y 1 +X 2\n@@");
-  const Outcome torn = run("study feature-localisation --quiet --trials 12 --set 'sweep={}' --set "
-                           "environment.file=" + path("skies") + " --out " + path("run"));
+  const Outcome torn =
+      run("study feature-localisation --quiet --trials 12 --set 'sweep={}' --set "
+          "environment.file=" +
+          path("skies") + " --out " + path("run"));
   EXPECT_EQ(torn.exit_code, 1);
   EXPECT_THAT(torn.output, HasSubstr("environment.file is"));
   EXPECT_THAT(torn.output, HasSubstr("whose b.hdr is torn"));

@@ -144,9 +144,9 @@ TEST(Materials, APictureOfAFolderLiesOnABoxInMetres) {
       const auto& vertex = mesh.triangles[t].vertex;
       for (size_t c = 0; c < 3; ++c) {
         const size_t j = (c + 1) % 3;
-        const double metres =
-            (mesh.vertices[static_cast<size_t>(vertex[c])] -
-             mesh.vertices[static_cast<size_t>(vertex[j])]).norm();
+        const double metres = (mesh.vertices[static_cast<size_t>(vertex[c])] -
+                               mesh.vertices[static_cast<size_t>(vertex[j])])
+                                  .norm();
         EXPECT_NEAR((mesh.coats[t].uv[c] - mesh.coats[t].uv[j]).norm(), metres, 1e-6);
       }
       // Not mirrored: the corners go round as from outside, and v points down.
@@ -172,12 +172,15 @@ TEST(Materials, TextureCoordinatesOfTheFileAreKept) {
   const auto file = folder.write("a.png", picture_of({9, 9, 9}));
   const TomlTable table = TomlTable::read_text(
       "[camera]\nf_px = 400\n[poses]\nattitude = \"uniform\"\nlateral_m = [0, 0]\nrange_m = "
-      "[200, 300]\n" + textures_in(file), "scene.toml");
+      "[200, 300]\n" +
+          textures_in(file),
+      "scene.toml");
   const auto livery = load_target("boeing707_livery");
   const Scene scene = draw_scene(read_scene_law(table, livery, {}), 0, 7, 0).scene;
   const Mesh& mesh = scene.target->mesh;
   int kept = 0;
-  for (size_t t = 0; t < mesh.coats.size(); ++t) kept += mesh.coats[t].uv == livery->mesh.coats[t].uv;
+  for (size_t t = 0; t < mesh.coats.size(); ++t)
+    kept += mesh.coats[t].uv == livery->mesh.coats[t].uv;
   EXPECT_GT(kept, 0);
   EXPECT_EQ(mesh.textures.size(), livery->mesh.textures.size() + 1);
   for (const Part& part : mesh.parts) {

@@ -59,7 +59,8 @@ TEST(SensorKeys, WhatASensorAlsoDoesIsAFactWhereItDoes) {
 }
 
 TEST(SensorKeys, MistakesGetOneClearLine) {
-  EXPECT_THAT(law_error("[image]\nwhite_balance = [1.0, -1.0, 1.0]"), HasSubstr("is [1, -1, 1], must be three numbers from 0 to 16"));
+  EXPECT_THAT(law_error("[image]\nwhite_balance = [1.0, -1.0, 1.0]"),
+              HasSubstr("is [1, -1, 1], must be three numbers from 0 to 16"));
   EXPECT_THAT(law_error("[image]\nresponse = [1, 0, 0, 0, 9, 0, 0, 0, 1]"),
               HasSubstr("is [1, 0, 0, 0, 9, 0, 0, 0, 1], must be 9 numbers from -8 to 8"));
   EXPECT_THAT(law_error("[image]\nresponse = [1, 0, 0]"), HasSubstr("image.response"));
