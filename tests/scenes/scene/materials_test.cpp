@@ -188,6 +188,35 @@ TEST(Materials, TextureCoordinatesOfTheFileAreKept) {
   }
 }
 
+// A cube with vertex colours, its first part a pane that a texture cuts out.
+std::shared_ptr<const Target> coloured_cube() {
+  auto cube = std::make_shared<Target>(*load_target("cube"));
+  Mesh& mesh = cube->mesh;
+  mesh.coats.resize(mesh.triangles.size());
+  for (Coat& coat : mesh.coats) coat.colour.fill({0.1F, 0.2F, 0.3F, 0.5F});
+  mesh.textures.push_back(std::make_shared<Texture>());
+  for (Part& part : mesh.parts) part.material.emplace();
+  mesh.parts[0].material->alpha_mode = AlphaMode::kMask;
+  mesh.parts[0].material->base_texture.texture = 0;
+  return cube;
+}
+
+TEST(Materials, ReplaceTheColoursOfVerticesButNotWhatIsSeeThrough) {
+  const auto cube = coloured_cube();
+  const TomlTable table = TomlTable::read_text(kCubeScene + "[material]\nvalue = 0.5", "a.toml");
+  const Scene scene = draw_scene(read_scene_law(table, cube, {}), 0, 7, 0).scene;
+  const Mesh& mesh = scene.target->mesh;
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const bool is_pane = mesh.triangles[t].part == 0;
+    const Eigen::Vector4f& colour = mesh.coats[t].colour[1];
+    EXPECT_EQ(colour[0], is_pane ? 0.1F : 1.0F);
+    EXPECT_EQ(colour[3], 0.5F);
+  }
+  EXPECT_EQ(mesh.parts[0].material->base[0], 1);
+  EXPECT_EQ(mesh.parts[0].material->base_texture.texture, 0);
+  EXPECT_EQ(mesh.parts[1].material->base[0], 0.5);
+}
+
 TEST(Materials, MistakesGetOneClearLine) {
   const TemporaryFolder folder;
   EXPECT_THAT(law_error("[material]\nroughness = 0.5"), HasSubstr("image.colour"));
