@@ -124,6 +124,18 @@ cv::Mat vignetted(const cv::Mat& linear, double loss) {
   return out;
 }
 
+// What each channel reads of the light, blue, green and red: its row of the response.
+cv::Mat as_read(const cv::Mat& linear, const Sensor& sensor) {
+  if (sensor.response == Sensor{}.response) return linear;
+  cv::Matx33d rows;
+  for (int to = 0; to < 3; ++to) {
+    for (int from = 0; from < 3; ++from) rows(to, from) = sensor.response(2 - to, 2 - from);
+  }
+  cv::Mat out;
+  cv::transform(linear, out, rows);
+  return out;
+}
+
 cv::Mat exposed(const cv::Mat& linear, const Sensor& sensor, RandomStream& noise) {
   return sensor.bits <= 8 ? exposed<uint8_t>(linear, sensor, CV_8U, noise)
                           : exposed<uint16_t>(linear, sensor, CV_16U, noise);
@@ -134,7 +146,7 @@ cv::Mat exposed(const cv::Mat& linear, const Sensor& sensor, RandomStream& noise
 std::vector<cv::Mat> exposed_channels(const cv::Mat& linear, const Sensor& sensor,
                                       RandomStream& noise) {
   std::vector<cv::Mat> channels;
-  cv::split(linear, channels);
+  cv::split(as_read(linear, sensor), channels);
   for (size_t c = channels.size(); c-- > 0;) {
     Sensor own = sensor;
     own.gain *= sensor.white_balance[2 - static_cast<Eigen::Index>(c)];

@@ -15,7 +15,8 @@ namespace sightline {
 /// bits, else CV_16U. Noise is drawn row by row from the stream; which pixels are dead or hot
 /// depends on `defect_seed` and the image's size alone, and a larger dead_fraction adds to the dead
 /// of a smaller one. Of light in colour (CV_32FC3) each channel goes through a sensor of its own,
-/// with the defects of the others, and gain times its white balance. JPEG is left
+/// which reads what `response` says of red, green and blue light behind the lens, with the defects
+/// of the others, and gain times its white balance. JPEG is left
 /// to the renderer, which keeps its file.
 cv::Mat expose(const cv::Mat& linear, const Sensor& sensor, RandomStream noise);
 

@@ -54,7 +54,8 @@ format of BOP (https://bop.felk.cvut.cz), up to {chunk} images a scene.
 {objects}
 - {gray_path}: {grey}, {bits} bits; white is {white}. {encoding}
 {rgb}- {depth_path}: 16 bits; times depth_scale = {depth_scale} mm it is z of what the pixel's centre sees.
-  0 is background. sightline/ has the exact depth (truth: {truth}).
+  0 is background. sightline/*/*_depth.tiff has the exact depth (truth: {truth}): z less the z0_m
+  of the image's .json, metres in 32-bit floats, NaN of background.
 - {mask_path}: the whole object as if nothing hid it; {seen_path}: what of it is seen. By ids, pixel by
   pixel, without any tolerance of depth.
 - Pixel centres are at integers: (0, 0) is the centre of the top-left pixel. Camera: x right,
@@ -228,12 +229,17 @@ std::vector<Json> image_targets(const SetPlan& plan, const Json& truth) {
 
 AnnotatedImage annotated_image(const SetPlan& plan, const Json& truth, std::string file_name) {
   const Json& camera = truth.at("camera");
+  const Json& told = truth.at(kToldByFiles);  // null where a file is missing
+  const auto of_bodies = [&told](const char* key) {
+    return told.contains(key) ? told.at(key) : Json();
+  };
   return {.id = plan.number_in_chunk(truth.at("index")),
           .file_name = std::move(file_name),
           .width_px = camera.at("width_px"),
           .height_px = camera.at("height_px"),
           .bodies = annotated(truth),
-          .segmentations = truth.at(kToldByFiles)};
+          .segmentations = of_bodies("segmentations"),
+          .whole_boxes = of_bodies("whole_boxes")};
 }
 
 std::vector<SetFile> set_files(const SetPlan& plan, const LayoutText& layout) {

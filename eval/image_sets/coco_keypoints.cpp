@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
+#include "eval/datasets/bop/layout.h"
 #include "eval/datasets/coco/write.h"
 #include "eval/datasets/pictures.h"
 
@@ -68,6 +69,27 @@ Json info_of(const SetPlan& plan) {
            "visible pixels; a box reaches from corner to corner of its pixels."}};
 }
 
+Json boxed_image_entry(const AnnotatedImage& image) {
+  Json entry = coco::image_entry(image.id, image.file_name, {image.width_px, image.height_px});
+  entry["license"] = 1;
+  for (const char* unsaid : {"date_captured", "coco_url", "flickr_url"}) entry[unsaid] = "";
+  return entry;
+}
+
+Json boxed_entry(int64_t id, const AnnotatedImage& image, size_t i) {
+  const Json& body = image.bodies[i];
+  return {{"id", id},
+          {"image_id", image.id},
+          {"category_id", body.at("obj_id")},
+          {"iscrowd", 0},
+          {"area", body.at("visible_pixels")},
+          {"bbox", image.whole_boxes.at(i)},
+          {"segmentation", image.segmentations.at(i)},
+          {"width", image.width_px},
+          {"height", image.height_px},
+          {"ignore", body.at("visible_fraction") < bop::kLeastVisibleFraction}};
+}
+
 }  // namespace
 
 Json segmentations_in(const std::filesystem::path& folder, std::span<const std::string> masks) {
@@ -93,6 +115,28 @@ std::string coco_keypoints_file(const SetPlan& plan, std::span<const AnnotatedIm
     }
   }
   return coco::annotation_file(info_of(plan), category_entries(plan), image_entries, annotations);
+}
+
+std::string coco_boxes_file(const SetPlan& plan, std::span<const AnnotatedImage> images) {
+  std::vector<Json> categories, image_entries, annotations;
+  for (const auto& object : plan.objects) {
+    const int id = object_id(plan, *object);
+    categories.push_back(
+        {{"id", id}, {"name", std::to_string(id)}, {"supercategory", plan.study.name}});
+  }
+  for (const AnnotatedImage& image : images) {
+    image_entries.push_back(boxed_image_entry(image));
+    for (size_t i = 0; i < image.bodies.size(); ++i) {
+      if (!is_annotated(image, i)) continue;
+      const auto id = static_cast<int64_t>(annotations.size()) + 1;
+      annotations.push_back(boxed_entry(id, image, i));
+    }
+  }
+  const Json info = {{"description", plan.study.name + "_" + std::string(bop::kTestSplit)},
+                     {"url", "https://github.com/thodan/bop_toolkit"},
+                     {"version", SIGHTLINE_VERSION},
+                     {"contributor", "Sightline"}};
+  return coco::annotation_file(info, categories, image_entries, annotations);
 }
 
 }  // namespace sightline

@@ -14,6 +14,7 @@
 #include "eval/output/output_folder.h"
 #include "eval/work/interrupt.h"
 #include "eval/work/memory.h"
+#include "eval/work/renewed_renderer.h"
 #include "eval/work/shares.h"
 #include "renderer/gl_context.h"
 #include "scenes/files/input_error.h"
@@ -146,6 +147,28 @@ std::vector<bool> done_in(const SetPlan& plan, const fs::path& folder, const Sha
   return done;
 }
 
+// Images of a shard of which a file is gone lose their truth: without it they are made again.
+void forget_broken(const SetPlan& plan, const fs::path& folder, const Shard& shard) {
+  std::error_code none;
+  for (int64_t index = shard.index; index < plan.count; index += shard.count) {
+    stop_if_interrupted();
+    if (!is_done(plan, folder, index) || has_all_files(folder, plan, index)) continue;
+    fs::remove(folder / truth_path(plan, index), none);
+  }
+}
+
+// What the images of a shard that are not done draw of folders is read before any is begun.
+void check_drawn_files(const SetPlan& plan, const fs::path& folder, const Shard& shard) {
+  CheckedFiles checked;
+  for (int64_t index = shard.index; index < plan.count; index += shard.count) {
+    if (is_done(plan, folder, index)) continue;
+    stop_if_interrupted();
+    const ImageStudy& images = plan.images();
+    check_drawn_files(images.setup_of(plan.study.condition_of(index)).scene, plan.study.seed,
+                      images.draw_of(index), checked);
+  }
+}
+
 bool is_all_done(const SetPlan& plan, const fs::path& folder) {
   for (int64_t index = 0; index < plan.count; ++index) {
     if (!is_done(plan, folder, index)) return false;
@@ -180,11 +203,13 @@ class SetWriter {
 void render_share(const SetPlan& plan, const fs::path& folder, const Shard& shard,
                   const Tick& tick) {
   SetWriter writer(plan, folder);
-  Renderer renderer({.gl = gl_choice(plan.gl).value()});
+  RenewedRenderer renderer({.gl = gl_choice(plan.gl).value()});
   for (int64_t index = shard.index; index < plan.count; index += shard.count) {
     if (is_done(plan, folder, index)) continue;
     stop_if_interrupted();
-    writer.write(render_image(plan, index, renderer));
+    const SetImage image = render_image(plan, index, renderer.get());
+    writer.write(image);
+    renderer.count(image.drawn.scene);
     tick();
   }
 }
@@ -197,6 +222,7 @@ SetResult render_set(const SetPlan& plan, const SetOptions& options) {
       why_no_memory(camera.width_px, camera.height_px, options.jobs, free_memory_bytes());
   if (!why_not.empty()) throw InputError(fmt::format("camera.width_px: {}", why_not));
   const fs::path& folder = options.out;
+  check_drawn_files(plan, folder, options.shard);
   make_folder(folder);
   refuse_foreign(folder);
   const SetLock lock(folder, options.shard);
@@ -204,6 +230,7 @@ SetResult render_set(const SetPlan& plan, const SetOptions& options) {
     const SetLock::Alone alone(lock);
     claim(plan, folder, options.is_resumed);
   }
+  if (options.is_resumed) forget_broken(plan, folder, options.shard);
   const std::vector<bool> done = done_in(plan, folder, options.shard);
   SetResult result;
   result.images = static_cast<int64_t>(done.size());

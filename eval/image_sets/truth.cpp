@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/image_sets/truth.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -60,6 +61,9 @@ Json scene_json(const Scene& scene) {
   const std::vector<Fact> optics = facts_of(scene.optics);
   if (!optics.empty()) out["optics"] = object_of(optics);
   for (const Lamp& lamp : scene.lamps) out["lamps"].push_back(object_of(facts_of(lamp)));
+  for (const DrawnMaterial& drawn : scene.materials) {
+    out["materials"].push_back(object_of(facts_of(drawn)));
+  }
   if (scene.environment.is_there()) out["environment"] = object_of(facts_of(scene.environment));
   return out;
 }
@@ -296,6 +300,21 @@ std::optional<Json> read_truth(const fs::path& folder, const SetPlan& plan, int6
     return truth;
   } catch (const InputError&) {
     return std::nullopt;
+  }
+}
+
+bool has_all_files(const fs::path& folder, const SetPlan& plan, int64_t index) {
+  const std::optional<Json> truth = read_truth(folder, plan, index);
+  if (!truth || truth->contains("failure")) return true;
+  try {
+    std::vector<std::string> paths = plan.format->image_paths(plan, *truth);
+    for (std::string& path : truth_file_paths(plan, index)) paths.push_back(std::move(path));
+    return std::ranges::all_of(paths, [&folder](const std::string& path) {
+      std::error_code none;
+      return fs::exists(folder / path, none);
+    });
+  } catch (const Json::exception&) {
+    return true;
   }
 }
 

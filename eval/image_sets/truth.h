@@ -39,6 +39,10 @@ std::vector<std::string> truth_file_paths(const SetPlan& plan, int64_t index);
 std::optional<Json> read_truth(const std::filesystem::path& folder, const SetPlan& plan,
                                int64_t index);
 
+/// Whether the files of an image whose truth is there are there too, whatever they hold; true where
+/// that truth cannot be read.
+bool has_all_files(const std::filesystem::path& folder, const SetPlan& plan, int64_t index);
+
 /// What is wrong with the truth of an image, and with the files beside it: it must be what its
 /// scene, drawn anew, says, and agree with itself.
 std::vector<std::string> truth_problems(const std::filesystem::path& folder, const SetPlan& plan,

@@ -69,6 +69,19 @@ void join_jobs(const fs::path& staging, Store& store) {
   }
 }
 
+// What the trials of a shard that are not done draw of folders is read before any is begun.
+void check_drawn_files(const Study& study, const Shard& shard, const std::vector<bool>& done) {
+  if (!study.renders()) return;
+  const ImageStudy& images = *study.images();
+  CheckedFiles checked;
+  for (int64_t index = shard.index; index < study.trial_count(); index += shard.count) {
+    if (done[static_cast<size_t>(index)]) continue;
+    stop_if_interrupted();
+    check_drawn_files(images.setup_of(study.condition_of(index)).scene, study.seed,
+                      images.draw_of(index), checked);
+  }
+}
+
 // Runs what is not done of a share of the trials in `jobs` processes, each with a store of its own,
 // and joins them. Returns how many trials were done before.
 int64_t run_jobs(const Study& study, const RunOptions& options, const OutputFolder& folder,
@@ -76,6 +89,7 @@ int64_t run_jobs(const Study& study, const RunOptions& options, const OutputFold
   join_jobs(folder.staging(), store);
   const std::vector<bool> done = store.held(study.trial_count());
   const int64_t done_before = store.size();
+  check_drawn_files(study, options.shard, done);
   const AskedProcesses processes(study, folder.staging());
   const ShardWork shard_work{
       .label = study.name,

@@ -21,8 +21,8 @@ namespace {
 // Tables of an image study whose keys can be swept, and of one whose images are a data set's.
 const std::vector<std::string> kSweptOfDataset = {"prior", "extraction"};
 const std::vector<std::string> kSweptTables = {
-    "camera",      "poses",  "image",  "background", "noise", "light", "lamp",
-    "environment", "livery", "motion", "optics",     "other", "prior", "extraction"};
+    "camera", "poses",    "image",  "background", "noise", "light", "lamp",      "environment",
+    "livery", "material", "motion", "optics",     "other", "prior", "extraction"};
 
 // What sets cells apart whose extractors differ.
 constexpr const char* kSweptExtractor = "extractor";

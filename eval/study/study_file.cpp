@@ -79,6 +79,7 @@ Study read_file(const std::string& name_or_path, const StudyOverrides& overrides
   for (const char* pictures : {"background", "environment"}) {
     place_beside(fmt::format("{}.file", pictures), as_written.table(pictures).text("file", ""));
   }
+  place_beside("material.textures", as_written.table("material").text("textures", ""));
   for (const char* guests : {"observations", "estimates"}) {
     const size_t count = as_written.tables(guests).size();
     for (size_t i = 0; i < count; ++i) {

@@ -3,6 +3,7 @@
 #include "eval/study/sweep_keys.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -21,7 +22,17 @@ struct SweptKey {
 
 constexpr size_t kMostCells = 10'000;
 
-std::vector<SweptKey> read_sweep(const TomlTable& sweep, const std::vector<std::string>& tables,
+// Of [[lamp]] and [[other]] a key says which: "lamp.0.strength" is of the first.
+void require_numbered(const TomlTable& study, const TomlTable& sweep, const std::string& key,
+                      const std::string& table) {
+  const bool has_number = std::isdigit(static_cast<unsigned char>(key[table.size() + 1])) != 0;
+  if (has_number || !study.is_array(table)) return;
+  sweep.fail(key, fmt::format("must say which [[{0}]] it is of, such as \"{0}.0{1}\" of the first",
+                              table, key.substr(table.size())));
+}
+
+std::vector<SweptKey> read_sweep(const TomlTable& study, const TomlTable& sweep,
+                                 const std::vector<std::string>& tables,
                                  const std::vector<std::string>& axes) {
   std::vector<SweptKey> swept;
   size_t cells = 1;
@@ -37,6 +48,7 @@ std::vector<SweptKey> read_sweep(const TomlTable& sweep, const std::vector<std::
                                   "\"prior.attitude_deg\"{}",
                                   fmt::join(tables, "], ["), or_axes));
     }
+    require_numbered(study, sweep, key, table);
     swept.push_back({key, sweep.literals(key)});
     cells *= swept.back().values.size();
     if (cells > kMostCells) sweep.fail(key, fmt::format("makes over {} cells", kMostCells));
@@ -117,11 +129,12 @@ void add_value(Condition& condition, const SweptValue& swept, bool is_alone,
 
 std::vector<SweptCell> read_sweeps(const TomlTable& table, const std::vector<std::string>& tables,
                                    const std::vector<std::string>& axes) {
-  if (!table.is_array("sweep")) return combinations(read_sweep(table.table("sweep"), tables, axes));
+  if (!table.is_array("sweep"))
+    return combinations(read_sweep(table, table.table("sweep"), tables, axes));
   if (!axes.empty()) table.fail("sweep", "must be one table of a study without images");
   std::vector<SweptCell> cells;
   for (const TomlTable& sweep : table.tables("sweep")) {
-    for (auto& cell : combinations(read_sweep(sweep, tables, axes))) {
+    for (auto& cell : combinations(read_sweep(table, sweep, tables, axes))) {
       cells.push_back(std::move(cell));
     }
     require_few_cells(table, cells.size());

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/scene/background.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -10,7 +9,6 @@
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 
-#include "scenes/files/input_error.h"
 #include "scenes/picture/picture_file.h"
 #include "scenes/scene/colouring.h"
 
@@ -70,34 +68,34 @@ void set_picture(const Pictures& pictures, Holder& to) {
   to.picture_width = pictures.grey.cols;
 }
 
-// By name, so that a draw is the same on every machine.
-std::vector<std::filesystem::path> pictures_of(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> out;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.is_regular_file() && picture_size(entry.path())) {
-      out.push_back(entry.path());
-    }
-  }
-  std::sort(out.begin(), out.end());
-  return out;
-}
-
 void read_picture(const TomlTable& table, BackgroundLaw& law) {
-  const std::filesystem::path given = table.text("file");
-  const std::filesystem::path beside = table.file().parent_path() / given;
-  const std::filesystem::path file = std::filesystem::exists(beside) ? beside : given;
-  if (std::filesystem::is_directory(file)) {
-    law.folder = pictures_of(file);
-    if (law.folder.empty()) {
-      table.fail("file", fmt::format("is \"{}\", a folder without pictures", given.string()));
-    }
+  const std::string given = table.text("file");
+  const std::filesystem::path file = named_path(table, given);
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error)) {
+    const auto is_picture = [](const std::filesystem::path& one) {
+      return picture_size(one).has_value();
+    };
+    law.folder = files_of(table, "background", "file", file, given, is_picture, "pictures");
     return;
   }
   const auto [pictures, problem] = pictures_in(file, law.has_colour);
   if (!problem.empty()) {
-    table.fail("file", fmt::format("is \"{}\", which {}", given.string(), problem));
+    table.fail("file", fmt::format("is \"{}\", which {}", given, problem));
   }
   set_picture(pictures, law);
+}
+
+std::filesystem::path drawn_picture(const BackgroundLaw& law, const Draws& draws) {
+  RandomStream stream = draws.stream("background.file");
+  return law.folder.draw(stream);
+}
+
+// Those of one of a folder's files.
+Pictures pictures_of(const BackgroundLaw& law, const std::filesystem::path& file) {
+  PictureOfBackground read = pictures_in(file, law.has_colour);
+  if (!read.problem.empty()) law.folder.fail(file, read.problem);
+  return read.pictures;
 }
 
 }  // namespace
@@ -188,17 +186,19 @@ Background draw_background(BackgroundLaw law, const Draws& draws) {
   background.picture = law.picture;
   background.colours = law.colours;
   background.picture_width = law.picture_width;
-  if (!law.folder.empty()) {
-    RandomStream stream = draws.stream("background.file");
-    const auto count = static_cast<double>(law.folder.size());
-    const auto& file = law.folder[static_cast<size_t>(stream.uniform() * count)];
-    const auto [pictures, problem] = pictures_in(file, law.has_colour);
-    if (!problem.empty()) throw InputError(fmt::format("{}: {}", file.string(), problem));
-    set_picture(pictures, background);
-    background.file = (std::filesystem::path(law.file) / file.filename()).string();
+  if (law.folder.is_there()) {
+    const std::filesystem::path file = drawn_picture(law, draws);
+    set_picture(pictures_of(law, file), background);
+    background.file = law.folder.stated(file);
   }
   background.seed = draws.stream("background").bits();
   return background;
+}
+
+void check_drawn_file(const BackgroundLaw& law, const Draws& draws, CheckedFiles& checked) {
+  if (!law.folder.is_there()) return;
+  const std::filesystem::path file = drawn_picture(law, draws);
+  if (checked.insert(file).second) pictures_of(law, file);
 }
 
 std::vector<Fact> facts_of(Background background) {

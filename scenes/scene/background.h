@@ -5,12 +5,12 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "scenes/scene/file_draw.h"
 #include "scenes/scene/keys.h"
 
 namespace sightline {
@@ -54,7 +54,7 @@ struct BackgroundLaw {
   std::string file;
   bool has_colour = false;
   /// Of an image whose file is a folder: the pictures in it, one of which is drawn for a frame.
-  std::vector<std::filesystem::path> folder = {};
+  FileDraw folder = {};
   std::shared_ptr<const std::vector<float>> picture;
   std::shared_ptr<const std::vector<float>> colours;
   int picture_width = 0;
@@ -68,6 +68,10 @@ BackgroundLaw read_background(const TomlTable& file);
 
 /// Throws InputError for a picture of a folder that cannot be read.
 Background draw_background(BackgroundLaw law, const Draws& draws);
+
+/// Reads the picture of a folder that one scene draws, unless `checked` has it already. Throws
+/// InputError.
+void check_drawn_file(const BackgroundLaw& law, const Draws& draws, CheckedFiles& checked);
 
 /// What the truth states of a background.
 std::vector<Fact> facts_of(Background background);

@@ -2,15 +2,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/scene/environment.h"
 
-#include <algorithm>
-
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "pose/angles.h"
-#include "scenes/files/input_error.h"
 #include "scenes/picture/radiance_file.h"
 
 namespace sightline {
@@ -40,19 +37,16 @@ Panorama read_panorama(const fs::path& file) {
   return {std::make_shared<const cv::Mat>(pixels), {}};
 }
 
-// By name, so that a draw is the same on every machine.
-std::vector<fs::path> panoramas_of(const fs::path& folder) {
-  std::vector<fs::path> out;
-  std::error_code error;
-  for (auto entry = fs::directory_iterator(folder, error); !error && entry != fs::end(entry);
-       entry.increment(error)) {
-    std::error_code of_entry;
-    if (entry->is_regular_file(of_entry) && is_radiance_name(entry->path())) {
-      out.push_back(entry->path());
-    }
-  }
-  std::sort(out.begin(), out.end());
-  return out;
+fs::path drawn_panorama(const EnvironmentLaw& law, const Draws& draws) {
+  RandomStream stream = draws.stream("environment.file");
+  return law.folder.draw(stream);
+}
+
+// One of a folder's.
+std::shared_ptr<const cv::Mat> panorama_of(const FileDraw& folder, const fs::path& file) {
+  auto [light, problem] = read_panorama(file);
+  if (!problem.empty()) folder.fail(file, problem);
+  return light;
 }
 
 }  // namespace
@@ -123,14 +117,11 @@ EnvironmentLaw read_environment(const TomlTable& file) {
     }
     return law;
   }
-  const fs::path beside = table.file().parent_path() / law.file;
-  std::error_code error;  // a name too long is one of no file
-  const fs::path found = fs::exists(beside, error) ? beside : fs::path(law.file);
+  const fs::path found = named_path(table, law.file);
+  std::error_code error;
   if (fs::is_directory(found, error)) {
-    law.folder = panoramas_of(found);
-    if (law.folder.empty()) {
-      table.fail("file", fmt::format("is \"{}\", a folder without .exr or .hdr", law.file));
-    }
+    law.folder =
+        files_of(table, "environment", "file", found, law.file, is_radiance_name, ".exr or .hdr");
     return law;
   }
   auto [light, problem] = read_panorama(found);
@@ -147,15 +138,17 @@ Environment draw_environment(EnvironmentLaw law, const Draws& draws) {
   draw_keys(keys_of(law, environment), draws);
   environment.file = law.file;
   environment.light = law.light;
-  if (law.folder.empty()) return environment;
-  RandomStream stream = draws.stream("environment.file");
-  const auto count = static_cast<double>(law.folder.size());
-  const fs::path& file = law.folder[static_cast<size_t>(stream.uniform() * count)];
-  auto [light, problem] = read_panorama(file);
-  if (!problem.empty()) throw InputError(fmt::format("{}: {}", file.string(), problem));
-  environment.light = std::move(light);
-  environment.file = (fs::path(law.file) / file.filename()).string();
+  if (!law.folder.is_there()) return environment;
+  const fs::path file = drawn_panorama(law, draws);
+  environment.light = panorama_of(law.folder, file);
+  environment.file = law.folder.stated(file);
   return environment;
+}
+
+void check_drawn_file(const EnvironmentLaw& law, const Draws& draws, CheckedFiles& checked) {
+  if (!law.folder.is_there()) return;
+  const fs::path file = drawn_panorama(law, draws);
+  if (checked.insert(file).second) panorama_of(law.folder, file);
 }
 
 std::vector<Fact> facts_of(Environment environment) {

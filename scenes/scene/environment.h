@@ -4,13 +4,13 @@
 // Light from all sides, as a panorama has it: the keys of [environment].
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "scenes/scene/file_draw.h"
 #include "scenes/scene/keys.h"
 
 namespace cv {
@@ -47,7 +47,7 @@ struct EnvironmentLaw {
   Range pitch_deg = Environment{}.pitch_deg;
   Range roll_deg = Environment{}.roll_deg;
   /// Of a folder: the panoramas in it, one of which is drawn for a frame.
-  std::vector<std::filesystem::path> folder = {};
+  FileDraw folder = {};
   std::shared_ptr<const cv::Mat> light;
 
   bool is_there() const { return !file.empty(); }
@@ -60,6 +60,10 @@ EnvironmentLaw read_environment(const TomlTable& file);
 
 /// Throws InputError for a panorama of a folder that cannot be read.
 Environment draw_environment(EnvironmentLaw law, const Draws& draws);
+
+/// Reads the panorama of a folder that one scene draws, unless `checked` has it already. Throws
+/// InputError.
+void check_drawn_file(const EnvironmentLaw& law, const Draws& draws, CheckedFiles& checked);
 
 /// What the truth states of it: nothing where there is none.
 std::vector<Fact> facts_of(Environment environment);

@@ -187,6 +187,21 @@ Range read_range(const TomlTable& table, std::string_view key, Interval allowed)
   return {ends[0], ends[1]};
 }
 
+void require_within(const TomlTable& table, std::string_view key, std::span<const double> numbers,
+                    Interval allowed) {
+  const bool is_within = std::ranges::all_of(
+      numbers, [allowed](double x) { return x >= allowed.min && x <= allowed.max; });
+  if (is_within) return;
+  table.fail(key, fmt::format("is [{}], must be {} numbers from {}", fmt::join(numbers, ", "),
+                              numbers.size() == 3 ? "three" : fmt::to_string(numbers.size()),
+                              text_of(allowed)));
+}
+
+void require_within(const TomlTable& table, std::string_view key, const Eigen::Vector3d& numbers,
+                    Interval allowed) {
+  require_within(table, key, std::span(numbers.data(), 3), allowed);
+}
+
 RandomStream Draws::stream(std::string_view name) const {
   return {seed, name, static_cast<uint64_t>(index)};
 }

@@ -123,6 +123,12 @@ const Key& find_key(std::span<const Key> keys, std::string_view name);
 /// [low, high] within the allowed interval.
 Range read_range(const TomlTable& table, std::string_view key, Interval allowed);
 
+/// Throws InputError, saying what was given, where one of the numbers of a key is out of range.
+void require_within(const TomlTable& table, std::string_view key, std::span<const double> numbers,
+                    Interval allowed);
+void require_within(const TomlTable& table, std::string_view key, const Eigen::Vector3d& numbers,
+                    Interval allowed);
+
 /// Draws of one scene. Every quantity has a random stream of its own, keyed by (seed, its name,
 /// index), so that widening one range leaves all other draws as they were.
 struct Draws {

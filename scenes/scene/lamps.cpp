@@ -18,9 +18,7 @@ void require_sound(const TomlTable& table, const LampLaw& law) {
     table.fail("full_deg", fmt::format("is {}, must be at most cone_deg, which is {}", law.full_deg,
                                        law.cone_deg));
   }
-  if (law.colour.minCoeff() < 0 || law.colour.maxCoeff() > 1) {
-    table.fail("colour", "must be three numbers from 0 to 1");
-  }
+  require_within(table, "colour", law.colour, {0, 1});
 }
 
 Lamp draw_lamp(const LampLaw& law, const Pose& cam_from_target, RandomStream& stream) {

@@ -11,11 +11,6 @@
 namespace sightline {
 namespace {
 
-void require_factors(const TomlTable& table, std::string_view key, const Eigen::Vector3d& factors) {
-  if (factors.minCoeff() >= 0 && factors.maxCoeff() <= 1) return;
-  table.fail(key, "must be three numbers from 0 to 1");
-}
-
 // The direction at an angle from the one to the camera, towards a side of the image.
 Eigen::Vector3d direction_at(const Eigen::Vector3d& to_camera, double phase, double azimuth) {
   const Eigen::Vector3d right = Eigen::Vector3d::UnitY().cross(-to_camera).normalized();
@@ -167,8 +162,8 @@ LightLaw read_light(const TomlTable& file) {
     table.fail("azimuth_deg", "needs phase_deg beside it");
   }
   read_keys(file, keys_of(law, light));
-  require_factors(table, "colour", law.colour);
-  require_factors(table, "second_colour", law.second_colour);
+  require_within(table, "colour", law.colour, {0, 1});
+  require_within(table, "second_colour", law.second_colour, {0, 1});
   return law;
 }
 

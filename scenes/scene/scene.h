@@ -15,6 +15,7 @@
 #include "scenes/scene/lamps.h"
 #include "scenes/scene/light.h"
 #include "scenes/scene/livery.h"
+#include "scenes/scene/materials.h"
 #include "scenes/scene/motion.h"
 #include "scenes/scene/optics.h"
 #include "scenes/scene/others.h"
@@ -35,6 +36,7 @@ struct Scene {
   Environment environment;
   Background background;
   Livery livery;
+  std::vector<DrawnMaterial> materials;  ///< as the targets of this scene wear them
   Motion motion;
   Optics optics;
   Sensor sensor;

@@ -87,6 +87,7 @@ SceneLaw read_scene_law(const TomlTable& table, std::shared_ptr<const Target> ta
   for (const OtherLaw& other : law.others) {
     require_textures(table, law.colouring, other.target->name, other.target->mesh);
   }
+  law.materials = read_materials(table, law.colouring, law.target, law.others);
   require_imageable(poses, law);
   return law;
 }
@@ -113,6 +114,7 @@ std::vector<KeyText> scene_keys() {
   add(keys_of(lamp), "scene.lamps");
   add(keys_of(law.environment, scene.environment), "scene.environment");
   add(keys_of(law.livery, scene.livery), "scene.livery");
+  add(keys_of(law.materials), "scene.materials");
   add(keys_of(law.motion, scene.motion), "scene.motion");
   add(keys_of(law.optics, scene.optics), "scene.optics");
   add(keys_of(other), "bodies");
@@ -140,8 +142,16 @@ DrawnScene draw_scene(const SceneLaw& law, int given_pose, uint64_t seed, int64_
       draw_others(law.others, law.camera, law.target->mesh, scene.cam_from_target, draws);
   scene.others = std::move(others.bodies);
   scene.misplaced = std::move(others.problem);
+  scene.materials = dress(law.materials, draws, scene.target, scene.others);
   drawn.is_imageable = why_not_imageable(scene).empty();
   return drawn;
+}
+
+void check_drawn_files(const SceneLaw& law, uint64_t seed, int64_t index, CheckedFiles& checked) {
+  const Draws draws{seed, index};
+  check_drawn_file(law.environment, draws, checked);
+  check_drawn_file(law.background, draws, checked);
+  check_drawn_files(law.materials, draws, checked);
 }
 
 }  // namespace sightline

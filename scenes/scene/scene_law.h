@@ -15,8 +15,8 @@ namespace sightline {
 
 /// What the frames of a study's cell or of an image set have in common, and what is drawn for each:
 /// the tables [camera], [poses], [image], [background], [noise], [light], [environment], [livery],
-/// [motion], [optics], [[lamp]] and [[other]] of a scene file. Each part is read and drawn in a
-/// file of its own.
+/// [material], [motion], [optics], [[lamp]] and [[other]] of a scene file. Each part is read and
+/// drawn in a file of its own.
 struct SceneLaw {
   std::shared_ptr<const Target> target;
   std::vector<int> features;  ///< indices into the target's; drawn poses keep them in the image
@@ -28,6 +28,7 @@ struct SceneLaw {
   EnvironmentLaw environment;
   BackgroundLaw background;
   LiveryLaw livery;
+  MaterialLaw materials;
   MotionLaw motion;
   OpticsLaw optics;
   SensorLaw sensor;
@@ -53,5 +54,9 @@ struct DrawnScene {
 /// The scene number `index` of a law. `given_pose` says which of the given poses; it means nothing
 /// where poses are drawn. Every quantity has a random stream of its own: see Draws.
 DrawnScene draw_scene(const SceneLaw& law, int given_pose, uint64_t seed, int64_t index);
+
+/// Reads what a scene draws of the folders that its keys name, unless `checked` has it already: a
+/// file that is torn is found before any frame is made. Throws InputError, naming the key.
+void check_drawn_files(const SceneLaw& law, uint64_t seed, int64_t index, CheckedFiles& checked);
 
 }  // namespace sightline

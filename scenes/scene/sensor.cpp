@@ -5,6 +5,11 @@
 #include <cmath>
 
 namespace sightline {
+namespace {
+
+using RowWise = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+}  // namespace
 
 std::vector<Key> keys_of(SensorLaw& law, Sensor& sensor) {
   return {
@@ -88,6 +93,15 @@ std::vector<Key> keys_of(SensorLaw& law, Sensor& sensor) {
        "factors from 0 to 16 on red, green and blue before rounding; for pictures in colour",
        {},
        "white_balance"},
+      {"image",
+       "response",
+       &law.response,
+       {-8, 8},
+       "",
+       "three rows of three numbers from -8 to 8: what the sensor's red, green and blue channels "
+       "read of red, green and blue light, before noise and mosaic; for pictures in colour",
+       {},
+       "response"},
       {"noise",
        "scale",
        &law.noise_scale,
@@ -102,12 +116,12 @@ std::vector<Key> keys_of(SensorLaw& law, Sensor& sensor) {
 SensorLaw read_sensor(const TomlTable& file) {
   SensorLaw law;
   Sensor sensor;
-  read_keys(file, keys_of(law, sensor));
-  constexpr double kLargestFactor = 16;
+  const std::vector<Key> keys = keys_of(law, sensor);
+  read_keys(file, keys);
   const TomlTable image = file.table("image");
-  if (!(law.white_balance.minCoeff() >= 0 && law.white_balance.maxCoeff() <= kLargestFactor)) {
-    image.fail("white_balance", "must be three numbers from 0 to 16");
-  }
+  constexpr double kLargestFactor = 16;
+  require_within(image, "white_balance", law.white_balance, {0, kLargestFactor});
+  require_within(image, "response", law.response, find_key(keys, "response").allowed);
   if (law.jpeg_quality > 0 && law.bits != 8) {
     image.fail("jpeg_quality", "is for images of 8 bits");
   }
@@ -129,6 +143,7 @@ Sensor draw_sensor(SensorLaw law, uint64_t seed, const Draws& draws) {
   sensor.full_well_electrons = scale > 0 ? sensor.full_well_electrons / (scale * scale) : 0;
   sensor.defect_seed = seed;
   sensor.white_balance = law.white_balance;
+  sensor.response = Eigen::Map<const RowWise>(law.response.data());
   return sensor;
 }
 
@@ -141,6 +156,10 @@ std::vector<Fact> facts_of(Sensor sensor) {
   });
   if (const Eigen::Vector3d& w = sensor.white_balance; w != Sensor{}.white_balance) {
     facts.push_back({"white_balance", std::vector{w.x(), w.y(), w.z()}});
+  }
+  if (sensor.response != Sensor{}.response) {
+    const RowWise rows = sensor.response;
+    facts.push_back({"response", std::vector(rows.data(), rows.data() + rows.size())});
   }
   facts.insert(facts.begin() + 1, {"white", std::exp2(sensor.bits) - 1});  // after the bits
   facts.push_back({"defect_seed", static_cast<int64_t>(sensor.defect_seed)});

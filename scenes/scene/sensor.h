@@ -25,6 +25,8 @@ struct Sensor {
   int jpeg_quality = 0;   ///< 1 to 100: what JPEG leaves of images of 8 bits; 0: not compressed
   /// Factors on red, green and blue of what a sensor for colours read.
   Eigen::Vector3d white_balance = Eigen::Vector3d::Ones();
+  /// What its red, green and blue channels (rows) read of red, green and blue light (columns).
+  Eigen::Matrix3d response = Eigen::Matrix3d::Identity();
   uint64_t defect_seed = 0;  ///< which pixels those are: the same in all of a sensor's frames
 };
 
@@ -39,6 +41,7 @@ struct SensorLaw {
   Range vignetting = Sensor{}.vignetting;
   int jpeg_quality = Sensor{}.jpeg_quality;
   Eigen::Vector3d white_balance = Sensor{}.white_balance;
+  std::vector<double> response{1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< row by row
   int bits = Sensor{}.bits;
   bool is_srgb = Sensor{}.is_srgb;
   double noise_scale = 1;  ///< multiplies the applied noise
@@ -55,7 +58,8 @@ double read_noise_scale(const TomlTable& file);
 /// The sensor of one scene. `seed` is that of all scenes, which share their defects.
 Sensor draw_sensor(SensorLaw law, uint64_t seed, const Draws& draws);
 
-/// What the truth states of a sensor; of vignetting, JPEG and white balance where there are such.
+/// What the truth states of a sensor; of vignetting, JPEG, white balance and a
+/// response other than the identity where there are such.
 std::vector<Fact> facts_of(Sensor sensor);
 
 }  // namespace sightline

@@ -159,6 +159,33 @@ TEST(Sensor, AMosaicKeepsFlatColoursAndBlursOthers) {
   EXPECT_EQ(spot.at<cv::Vec3b>(20, 33)[2], 0);
 }
 
+// Rows are what red, green and blue channels read of red, green and blue light.
+TEST(Sensor, TheResponseMixesLightBeforeAllElse) {
+  Sensor sensor = clean(16);
+  const cv::Mat light(4, 4, CV_32FC3, cv::Scalar(0.1, 0.2, 0.4));  // blue, green, red
+  const cv::Mat plain = expose(light, sensor, stream());
+  sensor.response << 0.5, 0.25, 0.5,  //
+      1, -1, 0,                       //
+      0, 0, 3;
+  sensor.white_balance = {1, 2, 1};
+  const double red = 0.5 * 0.4 + 0.25 * 0.2 + 0.5 * 0.1, green = 2 * (0.4 - 0.2), blue = 3 * 0.1;
+  for (const cv::Mat& image :
+       {expose(light, sensor, stream()), expose_mosaic(light, sensor, stream())}) {
+    const cv::Vec3w at = image.at<cv::Vec3w>(2, 2);
+    EXPECT_NEAR(at[0], 65535 * blue, 1);
+    EXPECT_NEAR(at[1], 65535 * green, 1);
+    EXPECT_NEAR(at[2], 65535 * red, 1);
+  }
+  // The identity changes nothing, to the last bit.
+  sensor.response.setIdentity();
+  sensor.white_balance.setOnes();
+  EXPECT_EQ(cv::norm(plain, expose(light, sensor, stream()), cv::NORM_INF), 0);
+  // Noise is that of what the photosites read: none where they read nothing.
+  sensor.response.setZero();
+  sensor.full_well_electrons = 100;
+  EXPECT_EQ(cv::norm(expose(light, sensor, stream()), cv::NORM_INF), 0);
+}
+
 TEST(Sensor, NoNoiseMeansNoNoise) {
   const cv::Mat light(8, 8, CV_32F, cv::Scalar(0.3));
   const cv::Mat image = expose(light, clean(), stream());

@@ -35,8 +35,9 @@ inline constexpr std::string_view kSceneTruthFile = "scene_gt.json";
 inline constexpr std::string_view kSceneInfoFile = "scene_gt_info.json";
 /// Of the imagewise format, behind the image's key.
 inline constexpr std::string_view kImageTruthFile = ".gt.json";
-/// COCO's annotations with keypoints, which is ours: it stands beside the scene_gt_coco.json that
-/// the toolkit's calc_gt_coco writes, which has boxes and masks alone.
+/// COCO's annotations of boxes and masks, as the toolkit's calc_gt_coco writes them.
+inline constexpr std::string_view kSceneBoxesFile = "scene_gt_coco.json";
+/// The same with keypoints, which is ours.
 inline constexpr std::string_view kSceneKeypointsFile = "scene_gt_coco_keypoints.json";
 inline constexpr std::string_view kColourFolder = "rgb";
 inline constexpr std::string_view kGreyFolder = "gray";

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "eval/datasets/bop/layout.h"
 #include "eval/datasets/bop/write.h"
@@ -109,8 +110,32 @@ std::vector<SetFile> bop_image_files(const SetPlan& plan, const SetImage& image)
   return files;
 }
 
+// The boxes of whole masks, which end where the image ends; null where a file is missing or torn.
+Json whole_boxes_in(const fs::path& folder, const std::vector<std::string>& masks,
+                    const Json& truth) {
+  const Json& camera = truth.at("camera");
+  const cv::Rect image(0, 0, camera.at("width_px"), camera.at("height_px"));
+  const std::vector<Json> bodies = bop::annotated(truth);
+  Json boxes = Json::array();
+  for (size_t i = 0; i < bodies.size(); ++i) {
+    const Json& stated = bodies[i].at("amodal_box");
+    cv::Rect box(stated.at(0), stated.at(1), stated.at(2), stated.at(3));
+    if ((box & image) != box) {  // what the border leaves of it is in the mask alone
+      const cv::Mat mask = read_picture(folder / masks[i]);
+      if (mask.size() != image.size() || mask.type() != CV_8U) return nullptr;
+      box = cv::boundingRect(mask);
+    }
+    boxes.push_back({box.x, box.y, box.width, box.height});
+  }
+  return boxes;
+}
+
 Json bop_told_by_files(const SetPlan& plan, const fs::path& folder, const Json& truth) {
-  return segmentations_in(folder, paths_of(plan, truth).visible_masks);
+  const ImagePaths paths = paths_of(plan, truth);
+  Json segmentations = segmentations_in(folder, paths.visible_masks);
+  Json boxes = whole_boxes_in(folder, paths.masks, truth);
+  if (segmentations.is_null() || boxes.is_null()) return nullptr;
+  return {{"segmentations", std::move(segmentations)}, {"whole_boxes", std::move(boxes)}};
 }
 
 // The picture that extractors and networks see, relative to its scene.
@@ -123,19 +148,20 @@ std::vector<SetFile> bop_chunk_files(const SetPlan& plan, int64_t chunk,
                                      std::span<const Json> truths) {
   const std::string scene = scene_folder(chunk);
   std::vector<bop::ImageEntry> cameras, poses, visibilities;
-  std::vector<AnnotatedImage> keypoints;
+  std::vector<AnnotatedImage> annotated;
   for (const Json& truth : truths) {
     const int64_t im_id = plan.number_in_chunk(truth.at("index"));
     cameras.push_back({im_id, bop::image_camera(plan, truth)});
     poses.push_back({im_id, bop::image_poses(truth)});
     visibilities.push_back({im_id, bop::image_visibilities(truth)});
-    keypoints.push_back(bop::annotated_image(plan, truth, picture_in_scene(plan, scene, truth)));
+    annotated.push_back(bop::annotated_image(plan, truth, picture_in_scene(plan, scene, truth)));
   }
   const auto path = [&](std::string_view file) { return scene + std::string(file); };
   return {{path(bop::kSceneCameraFile), bop::scene_file(cameras)},
           {path(bop::kSceneTruthFile), bop::scene_file(poses)},
           {path(bop::kSceneInfoFile), bop::scene_file(visibilities)},
-          {path(bop::kSceneKeypointsFile), coco_keypoints_file(plan, keypoints)}};
+          {path(bop::kSceneBoxesFile), coco_boxes_file(plan, annotated)},
+          {path(bop::kSceneKeypointsFile), coco_keypoints_file(plan, annotated)}};
 }
 
 std::vector<std::string> bop_image_problems(const SetPlan& plan, const fs::path& folder,

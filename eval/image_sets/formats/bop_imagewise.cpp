@@ -112,7 +112,7 @@ Json imagewise_told_by_files(const SetPlan& plan, const fs::path& folder, const 
     if (mask.empty()) return nullptr;
     segmentations.push_back(coco::run_lengths(mask));
   }
-  return segmentations;
+  return {{"segmentations", segmentations}};
 }
 
 std::vector<SetFile> imagewise_chunk_files(const SetPlan& plan, int64_t chunk,

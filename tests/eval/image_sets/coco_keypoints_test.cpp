@@ -132,6 +132,43 @@ TEST_F(CocoKeypoints, AnnotateEveryImageOfTheScene) {
   EXPECT_EQ(verify("set").exit_code, 0) << verify("set").output;
 }
 
+// What BOP's toolkit writes (calc_gt_coco, all poses): boxes of whole masks, masks of what is seen.
+TEST_F(CocoKeypoints, StandBesideTheBoxesOfBopsToolkit) {
+  ASSERT_EQ(render("set",
+                   "--count 8 --set 'poses.lateral_m=[-1.4,1.4]' --set 'poses.range_m=[8,12]' "
+                   "--set poses.max_redraws=0 --set 'other=[{target=\"cube\", scale=0.8, "
+                   "offset_px=[-5, 5]}]'")
+                .exit_code,
+            0);
+  const json coco = read("set/test/000000/scene_gt_coco.json");
+  const json keypoints = read("set/" + kFile);
+  EXPECT_EQ(coco.at("categories"),
+            json::parse(R"([{"id": 1, "name": "1", "supercategory": "cube"}])"));
+  ASSERT_EQ(coco.at("images").size(), 8u);
+  EXPECT_EQ(coco.at("images")[3].at("file_name"), keypoints.at("images")[3].at("file_name"));
+  ASSERT_EQ(coco.at("annotations").size(), keypoints.at("annotations").size());
+  int cut = 0, ignored = 0;
+  for (const json& annotation : coco.at("annotations")) {
+    const int im_id = annotation.at("image_id");
+    const cv::Mat whole = picture(fmt::format("set/test/000000/mask/{:06}_000000.png", im_id));
+    const cv::Mat seen = picture(fmt::format("set/test/000000/mask_visib/{:06}_000000.png", im_id));
+    const cv::Rect box = cv::boundingRect(whole);
+    EXPECT_EQ(annotation.at("bbox"), json({box.x, box.y, box.width, box.height}));
+    EXPECT_EQ(annotation.at("area"), cv::countNonZero(seen));
+    EXPECT_EQ(differing_pixels(decoded(annotation.at("segmentation")), seen), 0);
+    const json body = body_of("set", annotation);
+    EXPECT_EQ(annotation.at("ignore"), body.at("visible_fraction") < 0.1);
+    EXPECT_EQ(annotation.at("width"), 64);
+    cut += box != cv::Rect(body.at("amodal_box")[0], body.at("amodal_box")[1],
+                           body.at("amodal_box")[2], body.at("amodal_box")[3]);
+    ignored += annotation.at("ignore").get<bool>();
+  }
+  EXPECT_GT(cut, 0);
+  EXPECT_LT(cut, 8);
+  EXPECT_LT(ignored, 8);
+  EXPECT_EQ(verify("set").exit_code, 0) << verify("set").output;
+}
+
 // The cube reaches over the image's border, so that there are keypoints of every kind.
 TEST_F(CocoKeypoints, AreTheTruthsPixelsAndSayWhatIsSeen) {
   ASSERT_EQ(render("set",

@@ -153,8 +153,9 @@ TEST_F(ImageSet, HasNothingThatIsNotAskedFor) {
                   "test/000000/depth/000000.tif", "test/000000/gray/000000.png",
                   "test/000000/gray/000000.tif", "test/000000/mask/000000_000000.png",
                   "test/000000/mask_visib/000000_000000.png", "test/000000/scene_camera.json",
-                  "test/000000/scene_gt.json", "test/000000/scene_gt_coco_keypoints.json",
-                  "test/000000/scene_gt_info.json", "test_targets_bop19.json"));
+                  "test/000000/scene_gt.json", "test/000000/scene_gt_coco.json",
+                  "test/000000/scene_gt_coco_keypoints.json", "test/000000/scene_gt_info.json",
+                  "test_targets_bop19.json"));
   EXPECT_EQ(read("grey/sightline.json")["also"], nlohmann::json({"itodd"}));
   ASSERT_EQ(render("plain", "--count 1 --truth minimal --format speed").exit_code, 0);
   EXPECT_FALSE(read("plain/sightline.json").contains("also"));

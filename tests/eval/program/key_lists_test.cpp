@@ -33,10 +33,16 @@ TEST(KeyLists, ATableIsListedAlone) {
   EXPECT_THAT(image.output, HasSubstr("0 to 50, or [low, high]"));
   EXPECT_THAT(image.output, Not(HasSubstr("[noise]")));
   const Outcome all = run("list keys");
-  for (const char* heading :
-       {"[camera]", "[poses]", "[[poses.fixed]]", "[image]", "[noise]", "[background]", "[light]",
-        "[livery]", "[motion]", "[[other]]", "[prior]", "[extraction]", "[extraction.lines]",
-        "[solver]", "[outliers]", "[points]", "[dataset]", "[sweep]", "[limits]"}) {
+  for (const char* heading : {"[camera]",        "[poses]",
+                              "[[poses.fixed]]", "[image]",
+                              "[noise]",         "[background]",
+                              "[light]",         "[livery]",
+                              "[material]",      "[motion]",
+                              "[[other]]",       "[prior]",
+                              "[extraction]",    "[extraction.lines]",
+                              "[solver]",        "[outliers]",
+                              "[points]",        "[dataset]",
+                              "[sweep]",         "[limits]"}) {
     EXPECT_THAT(all.output, HasSubstr(std::string(heading) + "\n"));
   }
 }

@@ -202,6 +202,11 @@ TEST(Study, MistakesInASweepGetOneClearLine) {
   EXPECT_THAT(study_error({"sweep={'background.level'=[]}"}), HasSubstr("one or more"));
   EXPECT_THAT(study_error({"sweep={'background.level'=[3]}"}), HasSubstr("from 0 to 1"));
   EXPECT_THAT(study_error({"sweep={'trials'=[1, 2]}"}), HasSubstr("cannot be swept"));
+  EXPECT_THAT(study_error({"lamp=[{strength=0.5}]", "sweep={'lamp.strength'=[1, 2]}"}),
+              HasSubstr("must say which [[lamp]] it is of, such as \"lamp.0.strength\""));
+  EXPECT_EQ(study_error({"lamp=[{strength=0.5}]", "sweep={'lamp.0.strength'=[1, 2]}"}), "");
+  EXPECT_EQ(study_error({"sweep={'material.value'=[0.2, [0.4, 0.8]]}"}), "");
+  EXPECT_THAT(study_error({"sweep={'material.value'=[2]}"}), HasSubstr("from 0 to 1"));
 }
 
 TEST(Study, AFixedPoseThatCannotBeImagedIsAnInputError) {

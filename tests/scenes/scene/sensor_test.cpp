@@ -44,19 +44,30 @@ TEST(SensorKeys, EveryNumberOfASensorIsAFact) {
 
 TEST(SensorKeys, WhatASensorAlsoDoesIsAFactWhereItDoes) {
   const Sensor sensor = draw_scene(law_of("[image]\nvignetting = 0.25\njpeg_quality = 80\n"
-                                          "white_balance = [2.0, 1.0, 1.5]"),
+                                          "white_balance = [2.0, 1.0, 1.5]\n"
+                                          "response = [1, 0.5, 0, 0, 1, 0, 0, 0, 2]"),
                                    0, 7, 0)
                             .scene.sensor;
   std::map<std::string, FactValue> facts;
   for (const Fact& fact : facts_of(sensor)) facts[fact.name] = fact.value;
-  EXPECT_EQ(facts.size(), 13u);
+  EXPECT_EQ(facts.size(), 14u);
   EXPECT_EQ(facts.at("vignetting"), FactValue(0.25));
   EXPECT_EQ(facts.at("jpeg_quality"), FactValue(int64_t{80}));
   EXPECT_EQ(facts.at("white_balance"), FactValue(std::vector{2.0, 1.0, 1.5}));
+  EXPECT_EQ(facts.at("response"), FactValue(std::vector<double>{1, 0.5, 0, 0, 1, 0, 0, 0, 2}));
+  EXPECT_EQ(sensor.response(0, 1), 0.5);
 }
 
 TEST(SensorKeys, MistakesGetOneClearLine) {
-  EXPECT_THAT(law_error("[image]\nwhite_balance = [1.0, -1.0, 1.0]"), HasSubstr("0 to 16"));
+  EXPECT_THAT(law_error("[image]\nwhite_balance = [1.0, -1.0, 1.0]"),
+              HasSubstr("is [1, -1, 1], must be three numbers from 0 to 16"));
+  EXPECT_THAT(law_error("[image]\nresponse = [1, 0, 0, 0, 9, 0, 0, 0, 1]"),
+              HasSubstr("is [1, 0, 0, 0, 9, 0, 0, 0, 1], must be 9 numbers from -8 to 8"));
+  EXPECT_THAT(law_error("[image]\nresponse = [1, 0, 0]"), HasSubstr("image.response"));
+  EXPECT_THAT(law_error("[light]\ncolour = [2, 1, 1]"),
+              HasSubstr("is [2, 1, 1], must be three numbers from 0 to 1"));
+  EXPECT_THAT(law_error("[[lamp]]\ncolour = [0, -1, 1]"),
+              HasSubstr("is [0, -1, 1], must be three numbers from 0 to 1"));
   EXPECT_THAT(law_error("[image]\njpeg_quality = 80\nbits = 10"), HasSubstr("8 bits"));
   EXPECT_THAT(law_error("[image]\ncolour = \"grb\""), HasSubstr("rgb"));
   EXPECT_THAT(law_error("[image]\npsf = 1"), HasSubstr("not a known key"));
