@@ -127,7 +127,13 @@ Eigen::Array4f TexturePyramid::at(const TextureRef& ref, float u, float v, float
 
 const TexturePyramid& TextureCache::pyramid(const std::shared_ptr<const Texture>& texture,
                                             bool weighs_alpha) {
-  std::unique_ptr<TexturePyramid>& pyramid = pyramids_[{texture, weighs_alpha}];
+  auto found = pyramids_.find(texture);
+  if (found == pyramids_.end()) {
+    // Of a folder's pictures each scene has another.
+    std::erase_if(pyramids_, [](const auto& entry) { return entry.first.use_count() == 1; });
+    found = pyramids_.try_emplace(texture).first;
+  }
+  std::unique_ptr<TexturePyramid>& pyramid = found->second[weighs_alpha ? 1 : 0];
   if (!pyramid) pyramid = std::make_unique<TexturePyramid>(*texture, weighs_alpha);
   return *pyramid;
 }

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -52,13 +52,16 @@ class TexturePyramid {
   static Level halved(Level& level);
 };
 
-/// The pyramids of a renderer, made when they are first asked for. It keeps the textures.
+/// The pyramids of a renderer, made when they are first asked for. It keeps the textures until it
+/// makes another when nobody else holds them.
 class TextureCache {
  public:
+  /// Valid as long as somebody else holds the texture, too.
   const TexturePyramid& pyramid(const std::shared_ptr<const Texture>& texture, bool weighs_alpha);
 
  private:
-  std::map<std::pair<std::shared_ptr<const Texture>, bool>, std::unique_ptr<TexturePyramid>>
+  // Two of a texture: alpha counts for nothing, or is weighed.
+  std::map<std::shared_ptr<const Texture>, std::array<std::unique_ptr<TexturePyramid>, 2>>
       pyramids_;
 };
 

@@ -14,7 +14,6 @@
 #include "eval/output/output_folder.h"
 #include "eval/work/interrupt.h"
 #include "eval/work/memory.h"
-#include "eval/work/renewed_renderer.h"
 #include "eval/work/shares.h"
 #include "renderer/gl_context.h"
 #include "scenes/files/input_error.h"
@@ -203,13 +202,12 @@ class SetWriter {
 void render_share(const SetPlan& plan, const fs::path& folder, const Shard& shard,
                   const Tick& tick) {
   SetWriter writer(plan, folder);
-  RenewedRenderer renderer({.gl = gl_choice(plan.gl).value()});
+  Renderer renderer({.gl = gl_choice(plan.gl).value()});
   for (int64_t index = shard.index; index < plan.count; index += shard.count) {
     if (is_done(plan, folder, index)) continue;
     stop_if_interrupted();
-    const SetImage image = render_image(plan, index, renderer.get());
+    const SetImage image = render_image(plan, index, renderer);
     writer.write(image);
-    renderer.count(image.drawn.scene);
     tick();
   }
 }

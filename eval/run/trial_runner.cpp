@@ -16,8 +16,7 @@ TrialRunner::TrialRunner(const Study& study, const RendererOptions& renderer) : 
 
 TrialRecord TrialRunner::run(int64_t index, uint64_t seed) {
   if (const ImageStudy* images = study_.images()) {
-    Trial trial = run_image_trial(*images, seed, index, renderer_->get(), files_);
-    renderer_->count(trial.scene);
+    Trial trial = run_image_trial(*images, seed, index, *renderer_, files_);
     return std::move(trial.record);
   }
   if (const NumericStudy* numeric = study_.numeric()) {

@@ -8,7 +8,6 @@
 #include "eval/datasets/set_frame.h"
 #include "eval/records/records.h"
 #include "eval/study/study.h"
-#include "eval/work/renewed_renderer.h"
 #include "renderer/renderer.h"
 
 namespace sightline {
@@ -27,7 +26,7 @@ class TrialRunner {
 
  private:
   const Study& study_;
-  std::optional<RenewedRenderer> renderer_;
+  std::optional<Renderer> renderer_;
   SetFiles files_;  // of a data set, what was read last
 };
 
