@@ -8,8 +8,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "scenes/mesh/mesh_soup.h"
-
 namespace sightline {
 namespace {
 
@@ -26,8 +24,9 @@ double facing_eye(const Eigen::Vector3d& normal, const Eigen::Vector3d& to_eye) 
 }
 
 Eigen::Array4f factors_of(const Eigen::Vector3d& colour, bool is_grey) {
+  if (is_grey) return Eigen::Array4f::Constant(static_cast<float>(grey_of(colour)));
   Eigen::Array4f factors = Eigen::Array4f::Ones();
-  if (!is_grey) factors.head<3>() = colour.cast<float>().array();
+  factors.head<3>() = colour.cast<float>().array();
   return factors;
 }
 
@@ -102,6 +101,12 @@ Material grey_material(double albedo) {
 
 }  // namespace
 
+Eigen::Array3d emission(const Material& material, bool draws_textures) {
+  // A texture's factor alone says nothing: it is mostly 1, of a texture that is mostly black.
+  if (material.emissive_texture.is_there() && !draws_textures) return Eigen::Array3d::Zero();
+  return Eigen::Map<const Eigen::Array3d>(material.emissive.data());
+}
+
 ColourShader::ColourShader(const PlacedBody& body, const Scene& scene, EnvironmentLight* panorama,
                            std::unique_ptr<const Shadow> shadow, BodySky* sky,
                            TextureCache& textures)
@@ -141,18 +146,17 @@ Paint ColourShader::paint_of(const Part& part, bool draws_textures, TextureCache
   };
   paint.base = pyramid(material.base_texture, material.alpha_mode != AlphaMode::kOpaque);
   if (paint.base != nullptr) paint.base_map = paint.base->map(material.base_texture);
-  if (is_grey_) return paint;
-  paint.is_dull = !material.has_gloss;
-  if (material.has_gloss) paint.glow = GlowCurve(material.roughness * material.roughness);
-  paint.alpha_mode = material.alpha_mode;
-  for (size_t c = 0; c < 3; ++c) {
-    paint.emitted[static_cast<Eigen::Index>(c)] = static_cast<float>(material.emissive[c]);
-  }
-  paint.gloss = pyramid(material.gloss_texture, false);
+  const Eigen::Array3d emitted = emission(material, draws_textures);
+  paint.emitted.head<3>() = emitted.cast<float>();
   paint.emissive = pyramid(material.emissive_texture, false);
   if (paint.emissive != nullptr) {
     paint.emissive_map = paint.emissive->map(material.emissive_texture);
   }
+  if (is_grey_) return paint;
+  paint.is_dull = !material.has_gloss;
+  if (material.has_gloss) paint.glow = GlowCurve(material.roughness * material.roughness);
+  paint.alpha_mode = material.alpha_mode;
+  paint.gloss = pyramid(material.gloss_texture, false);
   paint.normal = pyramid(material.normal_texture, false);
   return paint;
 }
@@ -304,8 +308,7 @@ Reflection ColourShader::of_distant(const Paint& paint, const Gloss& gloss, doub
 // A panorama's light as the picture has it.
 Eigen::Array4f ColourShader::shown(const Eigen::Array4f& surroundings) const {
   if (!is_grey_) return surroundings_.strength * surroundings;
-  const auto grey =
-      static_cast<float>(luminance(surroundings[0], surroundings[1], surroundings[2]));
+  const auto grey = static_cast<float>(grey_of(surroundings.head<3>().matrix().cast<double>()));
   return Eigen::Array4f::Constant(surroundings_.strength * grey);
 }
 
