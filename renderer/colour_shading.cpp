@@ -55,7 +55,9 @@ void count_levels(Paint& paint) {
   paint.gloss_shift = shift(paint.gloss, material.gloss_texture);
   paint.emissive_scale = std::exp2(2 * shift(paint.emissive, material.emissive_texture));
   paint.normal_shift = shift(paint.normal, material.normal_texture);
-  paint.wants_level = paint.gloss != nullptr || paint.normal != nullptr;
+  paint.occlusion_shift = shift(paint.occlusion, material.occlusion_texture);
+  paint.wants_level =
+      paint.gloss != nullptr || paint.normal != nullptr || paint.occlusion != nullptr;
 }
 
 Gloss gloss_at(const Paint& paint, const Eigen::Vector2f& uv, float level) {
@@ -66,6 +68,14 @@ Gloss gloss_at(const Paint& paint, const Eigen::Vector2f& uv, float level) {
   gloss.roughness *= texel[1];
   gloss.metallic *= texel[2];
   return gloss;
+}
+
+// The share of the light from all around that the occlusion texture leaves.
+float unoccluded(const Paint& paint, const Eigen::Vector2f& uv, float level) {
+  if (paint.occlusion == nullptr) return 1;
+  const Eigen::Array4f texel = paint.occlusion->at(paint.material.occlusion_texture, uv.x(), uv.y(),
+                                                   level + paint.occlusion_shift);
+  return 1 + static_cast<float>(paint.material.occlusion_strength) * (texel[0] - 1);
 }
 
 // What the even glow gives where it is seen at cosine n_v.
@@ -158,6 +168,7 @@ Paint ColourShader::paint_of(const Part& part, bool draws_textures, TextureCache
   paint.alpha_mode = material.alpha_mode;
   paint.gloss = pyramid(material.gloss_texture, false);
   paint.normal = pyramid(material.normal_texture, false);
+  paint.occlusion = pyramid(material.occlusion_texture, false);
   return paint;
 }
 
@@ -364,8 +375,9 @@ ColourLight ColourShader::light_at(const SurfaceHit& hit, const Eigen::Vector2f&
   light.add(of_glow(paint, gloss, light_.ambient, facing_eye(normal, to_eye)),
             Eigen::Array4f::Ones());
   if (surroundings_.light != nullptr) add_surroundings(paint, gloss, normal, to_eye, light);
-  light.of_base *= sky;
-  light.own *= sky;
+  const float share = sky * unoccluded(paint, uv, level);
+  light.of_base *= share;
+  light.own *= share;
   if (light_.second > 0) {
     light.add(of_distant(paint, gloss, light_.second, to_second_, normal, to_eye), second_colour_);
   }
