@@ -46,6 +46,18 @@ Mesh one_sided_only(const Mesh& mesh) {
   return part;
 }
 
+// Whether a triangle lies back to back with its neighbour, as those of a sheet's two sides do.
+bool has_flat_fold(const Mesh& mesh) {
+  constexpr double kFlat = 1e-8;  // 1 + the cosine between the normals
+  const std::vector<HalfEdge> halves = sorted_half_edges(mesh);
+  return std::adjacent_find(
+             halves.begin(), halves.end(), [&](const HalfEdge& a, const HalfEdge& b) {
+               if (a.low != b.low || a.high != b.high) return false;
+               const Eigen::Vector3d one = face_normal(mesh, mesh.triangles[a.triangle]);
+               return one.dot(face_normal(mesh, mesh.triangles[b.triangle])) < kFlat - 1;
+             }) != halves.end();
+}
+
 void make_two_sided(Mesh& mesh) {
   for (Part& part : mesh.parts) {
     if (part.material) part.material->is_two_sided = true;
@@ -105,10 +117,11 @@ std::string take_backfaces(const MeshUse& use, Mesh& mesh) {
   const std::string remedy = "--backfaces seen (mesh.backfaces) draws their backs too";
   constexpr size_t kMostInspected = 1'000'000;  // triangles; more take memory and time
   if (mesh.triangles.size() > kMostInspected) return what + "; " + remedy;
-  const MeshInspection found = inspect(one_sided_only(mesh));
+  const Mesh one_sided = one_sided_only(mesh);
+  const MeshInspection found = inspect(one_sided);
   if (found.open_edges + found.flipped_edges + found.inward_components == 0) {
-    // Nobody sees a back of it from outside: what need not be looked for is not.
-    make_two_sided(mesh);
+    // Nobody sees a back of it from outside, unless it lies on its front.
+    if (!has_flat_fold(one_sided)) make_two_sided(mesh);
     return "";
   }
   return fmt::format(

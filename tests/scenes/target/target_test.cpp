@@ -157,6 +157,14 @@ TEST_F(TargetFile, OneSidedHolesAreSaidUnlessBacksAreSeen) {
   EXPECT_THAT(said(with_hole->mesh), AllOf(HasSubstr("3 open edges"), HasSubstr("backfaces")));
   EXPECT_FALSE(one_sided_parts(with_hole->mesh).empty());
 
+  // The two sides of a sheet are closed together, and yet each is seen alone.
+  Mesh sheet{.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, .triangles = {}, .parts = open.parts};
+  sheet.triangles = {{.vertex = {0, 1, 2}, .part = 0}, {.vertex = {0, 2, 1}, .part = 1}};
+  compute_corner_normals(sheet, 0.1);
+  const std::string sheet_file = (folder_.path() / "sheet.glb").string();
+  write_glb(sheet, sheet_file);
+  EXPECT_FALSE(one_sided_parts(load_target(sheet_file)->mesh).empty());
+
   MeshUse use;
   use.backfaces = "seen";
   const auto seen = load_target(open_file, use);
