@@ -8,8 +8,6 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include "scenes/mesh/mesh_soup.h"
-
 namespace sightline {
 namespace {
 
@@ -26,8 +24,9 @@ double facing_eye(const Eigen::Vector3d& normal, const Eigen::Vector3d& to_eye) 
 }
 
 Eigen::Array4f factors_of(const Eigen::Vector3d& colour, bool is_grey) {
+  if (is_grey) return Eigen::Array4f::Constant(static_cast<float>(grey_of(colour)));
   Eigen::Array4f factors = Eigen::Array4f::Ones();
-  if (!is_grey) factors.head<3>() = colour.cast<float>().array();
+  factors.head<3>() = colour.cast<float>().array();
   return factors;
 }
 
@@ -56,7 +55,9 @@ void count_levels(Paint& paint) {
   paint.gloss_shift = shift(paint.gloss, material.gloss_texture);
   paint.emissive_scale = std::exp2(2 * shift(paint.emissive, material.emissive_texture));
   paint.normal_shift = shift(paint.normal, material.normal_texture);
-  paint.wants_level = paint.gloss != nullptr || paint.normal != nullptr;
+  paint.occlusion_shift = shift(paint.occlusion, material.occlusion_texture);
+  paint.wants_level =
+      paint.gloss != nullptr || paint.normal != nullptr || paint.occlusion != nullptr;
 }
 
 Gloss gloss_at(const Paint& paint, const Eigen::Vector2f& uv, float level) {
@@ -67,6 +68,14 @@ Gloss gloss_at(const Paint& paint, const Eigen::Vector2f& uv, float level) {
   gloss.roughness *= texel[1];
   gloss.metallic *= texel[2];
   return gloss;
+}
+
+// The share of the light from all around that the occlusion texture leaves.
+float unoccluded(const Paint& paint, const Eigen::Vector2f& uv, float level) {
+  if (paint.occlusion == nullptr) return 1;
+  const Eigen::Array4f texel = paint.occlusion->at(paint.material.occlusion_texture, uv.x(), uv.y(),
+                                                   level + paint.occlusion_shift);
+  return 1 + static_cast<float>(paint.material.occlusion_strength) * (texel[0] - 1);
 }
 
 // What the even glow gives where it is seen at cosine n_v.
@@ -101,6 +110,12 @@ Material grey_material(double albedo) {
 }
 
 }  // namespace
+
+Eigen::Array3d emission(const Material& material, bool draws_textures) {
+  // A texture's factor alone says nothing: it is mostly 1, of a texture that is mostly black.
+  if (material.emissive_texture.is_there() && !draws_textures) return Eigen::Array3d::Zero();
+  return Eigen::Map<const Eigen::Array3d>(material.emissive.data());
+}
 
 ColourShader::ColourShader(const PlacedBody& body, const Scene& scene, EnvironmentLight* panorama,
                            std::unique_ptr<const Shadow> shadow, BodySky* sky,
@@ -141,19 +156,19 @@ Paint ColourShader::paint_of(const Part& part, bool draws_textures, TextureCache
   };
   paint.base = pyramid(material.base_texture, material.alpha_mode != AlphaMode::kOpaque);
   if (paint.base != nullptr) paint.base_map = paint.base->map(material.base_texture);
-  if (is_grey_) return paint;
-  paint.is_dull = !material.has_gloss;
-  if (material.has_gloss) paint.glow = GlowCurve(material.roughness * material.roughness);
-  paint.alpha_mode = material.alpha_mode;
-  for (size_t c = 0; c < 3; ++c) {
-    paint.emitted[static_cast<Eigen::Index>(c)] = static_cast<float>(material.emissive[c]);
-  }
-  paint.gloss = pyramid(material.gloss_texture, false);
+  const Eigen::Array3d emitted = emission(material, draws_textures);
+  paint.emitted.head<3>() = emitted.cast<float>();
   paint.emissive = pyramid(material.emissive_texture, false);
   if (paint.emissive != nullptr) {
     paint.emissive_map = paint.emissive->map(material.emissive_texture);
   }
+  if (is_grey_) return paint;
+  paint.is_dull = !material.has_gloss;
+  if (material.has_gloss) paint.glow = GlowCurve(material.roughness * material.roughness);
+  paint.alpha_mode = material.alpha_mode;
+  paint.gloss = pyramid(material.gloss_texture, false);
   paint.normal = pyramid(material.normal_texture, false);
+  paint.occlusion = pyramid(material.occlusion_texture, false);
   return paint;
 }
 
@@ -301,8 +316,7 @@ Reflection ColourShader::of_distant(const Paint& paint, const Gloss& gloss, doub
 // A panorama's light as the picture has it.
 Eigen::Array4f ColourShader::shown(const Eigen::Array4f& surroundings) const {
   if (!is_grey_) return surroundings_.strength * surroundings;
-  const auto grey =
-      static_cast<float>(luminance(surroundings[0], surroundings[1], surroundings[2]));
+  const auto grey = static_cast<float>(grey_of(surroundings.head<3>().matrix().cast<double>()));
   return Eigen::Array4f::Constant(surroundings_.strength * grey);
 }
 
@@ -359,8 +373,9 @@ ColourLight ColourShader::light_at(const SurfaceHit& hit, const Eigen::Vector2f&
   light.add(of_glow(paint, gloss, light_.ambient, facing_eye(normal, to_eye)),
             Eigen::Array4f::Ones());
   if (surroundings_.light != nullptr) add_surroundings(paint, gloss, normal, to_eye, light);
-  light.of_base *= sky;
-  light.own *= sky;
+  const float share = sky * unoccluded(paint, uv, level);
+  light.of_base *= share;
+  light.own *= share;
   if (light_.second > 0) {
     light.add(of_distant(paint, gloss, light_.second, to_second_, normal, to_eye), second_colour_);
   }

@@ -56,12 +56,14 @@ struct Paint {
   const TexturePyramid* gloss = nullptr;
   const TexturePyramid* emissive = nullptr;
   const TexturePyramid* normal = nullptr;
+  const TexturePyramid* occlusion = nullptr;
   /// Where there is a texture, the size in texels, by the corners' coordinates, of the one whose
   /// levels are counted: the base colour's, if it has one. The others' levels are so much coarser.
   bool has_texture = false;
   Eigen::Matrix2f texels_from_uv = Eigen::Matrix2f::Zero();
   float gloss_shift = 0;
   float normal_shift = 0;
+  float occlusion_shift = 0;
   float emissive_scale = 1;  ///< of texels' areas
   bool wants_level = false;  ///< light_at() looks a texture up
   TexelMap base_map, emissive_map;
@@ -75,10 +77,14 @@ struct Surroundings {
   Eigen::Matrix3d environment_from_body = Eigen::Matrix3d::Identity();
 };
 
+/// The light that a material sends by itself, a factor on its texture if it has one that is drawn:
+/// none where that is not.
+Eigen::Array3d emission(const Material& material, bool draws_textures);
+
 /// What one body sends to the camera, by channel. Where the scene is grey the surfaces are dull
-/// ones of their base colour, as Shader has them; in colour those with gloss follow brdf.h. The
-/// ambient light is a glow from all sides, as the panorama's light is, and the highlights of
-/// [light] are those of the dull.
+/// ones of their base colour and emission, lit as Shader has them; in colour those with gloss
+/// follow brdf.h. The ambient light is a glow from all sides, as the panorama's light is, and the
+/// highlights of [light] are those of the dull.
 class ColourShader {
  public:
   /// `panorama` must outlive it; none where the scene has no environment. Shadow and sky as in
@@ -134,7 +140,7 @@ class ColourShader {
   bool is_grey_;
   Eigen::Vector3d to_light_;  // body's frame
   Eigen::Vector3d to_second_;
-  Eigen::Array4f colour_, second_colour_;  // white where the scene is grey
+  Eigen::Array4f colour_, second_colour_;  // grey where the scene is
   Eigen::Matrix3d body_from_cam_;
   std::unique_ptr<const Shadow> shadow_;
   BodySky* sky_;

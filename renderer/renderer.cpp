@@ -55,24 +55,33 @@ std::vector<Shader> shaders_of(const std::vector<PlacedBody>& bodies, const Scen
   return shaders;
 }
 
+bool sends_light(const Mesh& mesh, bool draws_textures) {
+  return std::any_of(mesh.parts.begin(), mesh.parts.end(), [&](const Part& part) {
+    return part.material && (emission(*part.material, draws_textures) > 0).any();
+  });
+}
+
+// Textures, colours of vertices or light of its own.
 bool has_paint(const Scene& scene) {
-  return !scene.target->mesh.coats.empty() ||
+  const bool draws_textures = scene.colouring.draws_textures;
+  const auto is_painted = [&](const Mesh& mesh) {
+    return (draws_textures && !mesh.coats.empty()) || sends_light(mesh, draws_textures);
+  };
+  return is_painted(scene.target->mesh) ||
          std::any_of(scene.others.begin(), scene.others.end(),
-                     [](const OtherBody& other) { return !other.target->mesh.coats.empty(); });
+                     [&](const OtherBody& other) { return is_painted(other.target->mesh); });
 }
 
 // Grey surfaces alone are drawn as they always were.
 bool needs_colour(const Scene& scene) {
   const Colouring& colouring = scene.colouring;
   return colouring.mode != ColourMode::kGrey || scene.environment.is_there() ||
-         !scene.lamps.empty() || (colouring.draws_textures && has_paint(scene));
+         !scene.lamps.empty() || has_paint(scene);
 }
-
-constexpr std::array kGreyShares = {0.0722, 0.7152, 0.2126};  // as luminance() has it
 
 cv::Mat to_grey(const cv::Mat& blue_green_red) {
   cv::Mat grey;
-  cv::transform(blue_green_red, grey, cv::Matx13d(kGreyShares.data()));
+  cv::transform(blue_green_red, grey, cv::Matx13d(kGreyShares[2], kGreyShares[1], kGreyShares[0]));
   return grey;
 }
 
@@ -80,8 +89,8 @@ cv::Mat to_grey(const cv::Mat& blue_green_red) {
 // of grey.
 cv::Mat joined(const std::array<cv::Mat, 3>& blue_green_red) {
   if (blue_green_red[0].channels() == 1) {
-    return kGreyShares[0] * blue_green_red[0] + kGreyShares[1] * blue_green_red[1] +
-           kGreyShares[2] * blue_green_red[2];
+    return kGreyShares[2] * blue_green_red[0] + kGreyShares[1] * blue_green_red[1] +
+           kGreyShares[0] * blue_green_red[2];
   }
   cv::Mat all = blue_green_red[1].clone();
   for (const int channel : {0, 2}) {

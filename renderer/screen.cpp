@@ -218,8 +218,13 @@ void Screen::append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_
   const double near_m = kNearFraction * farthest;
   const bool is_in_front = nearest >= near_m;
   if (out.triangles.empty()) out.triangles.reserve(mesh.triangles.size());
-  uint32_t id = first_id;
+  const Eigen::Vector3d eye = inverse(cam_from_mesh).translation;
+  const std::vector<bool> one_sided = one_sided_parts(mesh);
+  uint32_t id = first_id - 1;
   for (const Triangle& triangle : mesh.triangles) {
+    ++id;
+    const bool is_one_sided = !one_sided.empty() && one_sided[triangle.part];
+    if (is_one_sided && is_seen_from_behind(mesh, triangle, eye)) continue;
     const auto [a, b, c] = triangle.vertex;
     if (!is_in_front && has_corner_before(kCutFraction * farthest, mesh, cam_from_mesh, triangle)) {
       append_cut(corners_of(mesh, cam_from_mesh, triangle), near_m, id, out);
@@ -228,7 +233,6 @@ void Screen::append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_
     } else {
       out.triangles.push_back({{first + a, first + b, first + c}, id});
     }
-    ++id;
   }
 }
 

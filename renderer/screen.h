@@ -44,8 +44,9 @@ class Screen {
 
   const PixelBox& canvas() const { return canvas_; }
 
-  /// Appends what of the mesh's triangles lies in front of the camera; triangle i gets the id
-  /// first_id + i, all its pieces alike.
+  /// Appends what of the mesh's triangles lies in front of the camera, but those of one-sided
+  /// materials that turn their backs to it; triangle i gets the id first_id + i, all its pieces
+  /// alike.
   void append(const Mesh& mesh, const Pose& cam_from_mesh, uint32_t first_id,
               ScreenMesh& out) const;
 

@@ -61,6 +61,12 @@ Eigen::Vector3d RayHits::in_body(const SurfacePoint& point) const {
          point.weights[2] * mesh.vertices[corner[2]];
 }
 
+double grey_of(const Eigen::Vector3d& light) {
+  // Of white all of it: the shares add up to 1 but for rounding.
+  if (light == Eigen::Vector3d::Ones()) return 1;
+  return kGreyShares[0] * light[0] + kGreyShares[1] * light[1] + kGreyShares[2] * light[2];
+}
+
 Shadow::Shadow(const std::vector<PlacedBody>& bodies, size_t receiver, const Light& light,
                double texel_m, int samples_per_pixel)
     : samples_(samples_per_pixel) {
@@ -108,10 +114,20 @@ double Shadow::lit_share(const Eigen::Vector3d& x, const Eigen::Vector3d& normal
   return static_cast<double>(lit) / asked;
 }
 
+Light in_grey(Light light) {
+  const double share = grey_of(light.colour);
+  light.directional *= share;
+  light.specular *= share;
+  light.second *= grey_of(light.second_colour);
+  light.colour.setOnes();
+  light.second_colour.setOnes();
+  return light;
+}
+
 Shader::Shader(const PlacedBody& body, const Light& light, std::unique_ptr<const Shadow> shadow,
                BodySky* sky)
     : hits_(body),
-      light_(light),
+      light_(in_grey(light)),
       to_light_(body.cam_from_body.rotation.transpose() * light.to_light_in_cam),
       to_second_(body.cam_from_body.rotation.transpose() * light.to_second_in_cam),
       shadow_(std::move(shadow)),

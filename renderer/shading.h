@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -45,6 +46,15 @@ Eigen::Vector3d facing_normal(const Mesh& mesh, const Triangle& triangle, bool i
 /// The normal by which a point is lit: that between its corners, of the side that is seen, of any
 /// length.
 Eigen::Vector3d lit_normal(const Mesh& mesh, const SurfacePoint& point);
+
+/// Of red, green and blue light (Rec. 709) in grey.
+constexpr std::array kGreyShares = {0.2126, 0.7152, 0.0722};
+
+/// What a picture in grey has of red, green and blue light: its luminance, which may exceed 1.
+double grey_of(const Eigen::Vector3d& light);
+
+/// The light as a picture in grey has it: white, and so much weaker.
+Light in_grey(Light light);
 
 /// What rays from the camera meet on one body.
 class RayHits {

@@ -19,6 +19,10 @@ void add_mesh_options(CLI::App& sub, MeshUse& use) {
                  "Leave a part of the mesh out, such as a propeller's disc; * stands for any "
                  "letters; may be repeated")
       ->allow_extra_args(false);
+  sub.add_option("--backfaces", use.backfaces,
+                 "Whether surfaces of one side are seen from behind too: material, as the file "
+                 "says, or seen [material]")
+      ->check(CLI::IsMember({"material", "seen"}));
 }
 
 std::vector<std::string> mesh_settings(const MeshUse& use) {
@@ -29,6 +33,7 @@ std::vector<std::string> mesh_settings(const MeshUse& use) {
   add("unit", use.unit);
   add("forward", use.forward);
   add("up", use.up);
+  add("backfaces", use.backfaces);
   std::string hidden;
   for (const std::string& part : use.hidden) hidden += toml_text(part) + ", ";
   if (!hidden.empty()) settings.push_back(fmt::format("mesh.hide=[{}]", hidden));

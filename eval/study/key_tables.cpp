@@ -85,6 +85,13 @@ std::vector<Key> described_keys() {
        {},
        "",
        "parts of the target's mesh that are left out; * stands for any letters"},
+      {"mesh",
+       "backfaces",
+       Described{"\"material\"", "\"material\", \"seen\""},
+       {},
+       "",
+       "whether surfaces of one side, as glTF's without doubleSided are, are seen from behind too, "
+       "those of all bodies"},
       {"",
        "features",
        Described{"\"all\"", "\"all\", or names"},

@@ -100,7 +100,8 @@ std::shared_ptr<const Target> read_target(const TomlTable& table) {
   const MeshUse use{.forward = mesh.text("forward", ""),
                     .up = mesh.text("up", ""),
                     .unit = mesh.text("unit", ""),
-                    .hidden = mesh.texts("hide", none)};
+                    .hidden = mesh.texts("hide", none),
+                    .backfaces = mesh.text("backfaces", "")};
   try {
     return load_target(name, use);
   } catch (const InputError& error) {

@@ -106,6 +106,23 @@ std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh) {
   return halves;
 }
 
+std::vector<bool> one_sided_parts(const Mesh& mesh) {
+  const auto is_one_sided = [](const Part& part) {
+    return part.material && !part.material->is_two_sided;
+  };
+  if (std::none_of(mesh.parts.begin(), mesh.parts.end(), is_one_sided)) return {};
+  std::vector<bool> one_sided(mesh.parts.size());
+  std::transform(mesh.parts.begin(), mesh.parts.end(), one_sided.begin(), is_one_sided);
+  return one_sided;
+}
+
+bool is_seen_from_behind(const Mesh& mesh, const Triangle& triangle, const Eigen::Vector3d& eye_m) {
+  const Eigen::Vector3d a = mesh.vertices[triangle.vertex[0]] - eye_m;
+  const Eigen::Vector3d b = mesh.vertices[triangle.vertex[1]] - eye_m;
+  const Eigen::Vector3d c = mesh.vertices[triangle.vertex[2]] - eye_m;
+  return (b - a).cross(c - a).dot(a) > 0;
+}
+
 Bounds bounds(const Mesh& mesh) {
   Bounds box{mesh.vertices.front(), mesh.vertices.front()};
   for (const Eigen::Vector3d& v : mesh.vertices) {

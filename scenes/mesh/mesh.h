@@ -63,6 +63,12 @@ std::vector<HalfEdge> sorted_half_edges(const Mesh& mesh);
 /// The unit normal of a triangle by its winding; zero for a degenerate one.
 Eigen::Vector3d face_normal(const Mesh& mesh, const Triangle& triangle);
 
+/// Of each part, whether it is there from outside alone; empty where none is.
+std::vector<bool> one_sided_parts(const Mesh& mesh);
+
+/// Whether the eye lies behind a triangle's plane, by its winding.
+bool is_seen_from_behind(const Mesh& mesh, const Triangle& triangle, const Eigen::Vector3d& eye_m);
+
 struct Bounds {
   Eigen::Vector3d min_m;
   Eigen::Vector3d max_m;

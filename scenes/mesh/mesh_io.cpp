@@ -85,13 +85,15 @@ void turn_normals_outward(Mesh& mesh) {
   }
 }
 
-// The triangles that have been kept, each once, whichever corner it begins with. Neighbours, which
+// The triangles that have been kept, each once, whichever corner it begins with. Front and back of
+// a sheet are two where each has one side. Neighbours, which
 // files tell one after the other, lie near each other in memory too: a triangle's slot goes by the
 // sum of its corners and, that many alike do not share one, a little by chance.
 class KeptTriangles {
  public:
-  KeptTriangles(size_t most, size_t vertices)
-      : slots_(std::bit_ceil(most + 1), -1),
+  KeptTriangles(size_t most, size_t vertices, std::vector<bool> one_sided)
+      : one_sided_(std::move(one_sided)),
+        slots_(std::bit_ceil(most + 1), -1),
         slots_a_step_(std::max<uint64_t>(1, slots_.size() / (3 * vertices + 1))) {
     before_.reserve(most);
   }
@@ -101,7 +103,8 @@ class KeptTriangles {
     const std::array<int, 3> corners = sorted(triangles.back());
     int& slot = slots_[slot_of(corners)];
     for (int at = slot; at >= 0; at = before_[at]) {
-      if (sorted(triangles[at]) == corners) return false;
+      if (sorted(triangles[at]) != corners) continue;
+      if (!are_front_and_back(triangles[at], triangles.back())) return false;
     }
     before_.push_back(slot);
     slot = static_cast<int>(triangles.size()) - 1;
@@ -109,6 +112,15 @@ class KeptTriangles {
   }
 
  private:
+  // Of two triangles with the same corners.
+  bool are_front_and_back(const Triangle& one, const Triangle& other) const {
+    if (one_sided_.empty() || !one_sided_[one.part] || !one_sided_[other.part]) return false;
+    const auto& a = one.vertex;
+    const auto& b = other.vertex;
+    const auto begin = std::find(b.begin(), b.end(), a[0]);
+    return *(begin + 1 == b.end() ? b.begin() : begin + 1) != a[1];
+  }
+
   static std::array<int, 3> sorted(const Triangle& triangle) {
     std::array<int, 3> corners = triangle.vertex;
     std::sort(corners.begin(), corners.end());
@@ -128,9 +140,10 @@ class KeptTriangles {
     return slot & (slots_.size() - 1);
   }
 
-  std::vector<int> slots_;   // the last triangle of each, or -1; a power of two of them
-  std::vector<int> before_;  // of every triangle the one before it in its slot, or -1
-  uint64_t slots_a_step_;    // of the sum
+  std::vector<bool> one_sided_;  // by part
+  std::vector<int> slots_;       // the last triangle of each, or -1; a power of two of them
+  std::vector<int> before_;      // of every triangle the one before it in its slot, or -1
+  uint64_t slots_a_step_;        // of the sum
 };
 
 // The shape of a soup, without what is no triangle.
@@ -148,7 +161,7 @@ LoadedMesh weld(MeshSoup& soup) {
   mesh.vertices = std::move(welder.vertices);
   cleaning.welded_vertices = static_cast<int>(3 * soup.triangles.size() - mesh.vertices.size());
 
-  KeptTriangles kept(soup.triangles.size(), mesh.vertices.size());
+  KeptTriangles kept(soup.triangles.size(), mesh.vertices.size(), one_sided_parts(mesh));
   mesh.triangles.reserve(soup.triangles.size());
   for (size_t i = 0; i < soup.triangles.size(); ++i) {
     const SoupFace& face = soup.triangles[i];

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/mesh/occluder.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <mutex>
 #include <vector>
 
@@ -32,6 +34,11 @@ struct Occluder::Tree {
   explicit Tree(const Mesh& mesh) : vertices(mesh.vertices) {
     corners.reserve(mesh.triangles.size());
     for (const Triangle& triangle : mesh.triangles) corners.push_back(triangle.vertex);
+    const std::vector<bool> one_sided = one_sided_parts(mesh);
+    if (one_sided.empty()) return;
+    for (const Triangle& triangle : mesh.triangles) {
+      is_one_sided.push_back(one_sided[triangle.part]);
+    }
   }
 
   const CgalTree& built() {
@@ -39,11 +46,21 @@ struct Occluder::Tree {
     return tree;
   }
 
+  // Whether a triangle that a segment from the eye meets is there for it.
+  bool blocks(Triangles::const_iterator met, const Kernel::Segment_3& from_eye) const {
+    if (!is_one_sided[static_cast<size_t>(met - triangles.begin())]) return true;
+    return !met->supporting_plane().has_on_negative_side(from_eye.source());
+  }
+
   void build() {
-    for (const auto& [a, b, c] : corners) {
+    size_t kept = 0;
+    for (size_t i = 0; i < corners.size(); ++i) {
+      const auto [a, b, c] = corners[i];
       const Kernel::Triangle_3 triangle(to_cgal(vertices[a]), to_cgal(vertices[b]),
                                         to_cgal(vertices[c]));
-      if (!triangle.is_degenerate()) triangles.push_back(triangle);
+      if (triangle.is_degenerate()) continue;
+      triangles.push_back(triangle);
+      if (!is_one_sided.empty()) is_one_sided[kept++] = is_one_sided[i];
     }
     vertices = {};
     corners = {};
@@ -53,6 +70,7 @@ struct Occluder::Tree {
 
   std::vector<Eigen::Vector3d> vertices;
   std::vector<std::array<int, 3>> corners;
+  std::vector<bool> is_one_sided;  // of the corners', later of the triangles; empty: none is
   std::once_flag is_built;
   Triangles triangles;
   CgalTree tree;
@@ -66,7 +84,14 @@ bool Occluder::hides(const Eigen::Vector3d& point_m, const Eigen::Vector3d& eye_
   const double distance_m = to_eye.norm();
   if (distance_m <= clearance_m) return false;
   const Eigen::Vector3d stop = point_m + to_eye * (clearance_m / distance_m);
-  return tree_->built().do_intersect(Kernel::Segment_3(to_cgal(eye_m), to_cgal(stop)));
+  const Kernel::Segment_3 from_eye(to_cgal(eye_m), to_cgal(stop));
+  const CgalTree& tree = tree_->built();
+  if (!tree.do_intersect(from_eye)) return false;
+  if (tree_->is_one_sided.empty()) return true;
+  std::vector<CgalTree::Primitive_id> met;
+  tree.all_intersected_primitives(from_eye, std::back_inserter(met));
+  return std::any_of(met.begin(), met.end(),
+                     [&](const auto& triangle) { return tree_->blocks(triangle, from_eye); });
 }
 
 double Occluder::distance_m(const Eigen::Vector3d& point_m) const {

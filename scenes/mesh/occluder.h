@@ -17,7 +17,8 @@ class Occluder {
   explicit Occluder(const Mesh& mesh);
 
   /// True when the mesh blocks the line from the eye to the point, both in the target's frame. The
-  /// line stops `clearance_m` short of the point, so that the surface it lies on does not count.
+  /// line stops `clearance_m` short of the point, so that the surface it lies on does not count. A
+  /// triangle with one side blocks what looks at its front.
   bool hides(const Eigen::Vector3d& point_m, const Eigen::Vector3d& eye_m,
              double clearance_m) const;
 

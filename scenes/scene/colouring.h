@@ -13,7 +13,8 @@
 namespace sightline {
 
 enum class ColourMode {
-  kGrey,   ///< one channel: surfaces are dull, and as bright as their colour's luminance
+  kGrey,   ///< one channel: surfaces are dull, and as bright as the luminance of their colour
+           ///< and emission
   kRgb,    ///< three channels, and the materials of the meshes' files
   kBayer,  ///< the same through a sensor whose photosites see one colour each
 };

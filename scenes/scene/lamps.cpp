@@ -114,7 +114,7 @@ std::vector<Key> keys_of(LampLaw& law) {
        &law.colour,
        {},
        "",
-       "its red, green and blue, factors from 0 to 1; for image.colour = \"rgb\"",
+       "its red, green and blue, factors from 0 to 1; in grey their luminance counts",
        {},
        "colour"},
   };

@@ -24,7 +24,7 @@ struct Lamp {
   Eigen::Vector3d direction_in_cam = Eigen::Vector3d::UnitZ();  ///< unit vector, the cone's axis
   double cone_deg = 180;  ///< between axis and rim; 180: it shines to all sides
   double full_deg = 0;    ///< within this angle of the axis it has all its strength
-  Eigen::Vector3d colour = Eigen::Vector3d::Ones();  ///< factors: of pictures in colour alone
+  Eigen::Vector3d colour = Eigen::Vector3d::Ones();  ///< factors: in grey, their luminance
 };
 
 /// The share of a lamp's strength that it sends at an angle from its axis, given by its cosine.

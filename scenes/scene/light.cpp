@@ -134,7 +134,8 @@ std::vector<Key> keys_of(LightLaw& law, Light& light) {
        &law.colour,
        {},
        "",
-       "red, green and blue of the distant light, factors from 0 to 1; for image.colour = \"rgb\"",
+       "red, green and blue of the distant light, factors from 0 to 1; in grey its luminance "
+       "counts",
        {},
        "colour"},
       {"light",

@@ -33,7 +33,8 @@ struct Light {
   /// has no highlights on dull surfaces and casts no shadow.
   double second = 0;
   Eigen::Vector3d to_second_in_cam = -Eigen::Vector3d::UnitZ();  ///< unit vector
-  /// Red, green and blue of the distant lights, factors: of pictures in colour alone.
+  /// Red, green and blue of the distant lights, factors: of pictures in grey their
+  /// luminance.
   Eigen::Vector3d colour = Eigen::Vector3d::Ones();
   Eigen::Vector3d second_colour = Eigen::Vector3d::Ones();
 };

@@ -17,9 +17,10 @@ namespace {
 constexpr int kMostBodies = 254;  // body ids have 8 bits
 constexpr int kMostDraws = 1000;  // of a body that is to keep apart
 
-std::shared_ptr<const Target> load_other(const TomlTable& table, const OtherLaw& law) {
+std::shared_ptr<const Target> load_other(const TomlTable& table, const OtherLaw& law,
+                                         const MeshUse& use) {
   try {
-    const std::shared_ptr<const Target> target = load_target(law.name);
+    const std::shared_ptr<const Target> target = load_target(law.name, use);
     if (const std::string reason = why_not_renderable(*target); !reason.empty()) {
       throw InputError(reason);
     }
@@ -125,13 +126,15 @@ std::vector<Key> keys_of(OtherLaw& law) {
 
 std::vector<OtherLaw> read_others(const TomlTable& file) {
   std::vector<OtherLaw> laws;
+  MeshUse use;
+  use.backfaces = file.table("mesh").text("backfaces", "");
   int bodies = 0;
   for (const TomlTable& table : file.tables("other")) {
     OtherLaw law;
     const std::vector<Key> keys = keys_of(law);
     read_key(table, find_key(keys, "target"));
     read_key(table, find_key(keys, "scale"));
-    law.target = load_other(table, law);
+    law.target = load_other(table, law, use);
     for (const Key& key : keys) read_key(table, key);
     bodies += law.count;
     if (bodies > kMostBodies) {

@@ -3,11 +3,13 @@
 #include "scenes/target/mesh_use.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include <fmt/format.h>
 #include <fnmatch.h>
 
 #include "scenes/files/input_error.h"
+#include "scenes/mesh/mesh_inspection.h"
 
 namespace sightline {
 namespace {
@@ -34,6 +36,32 @@ void compact_vertices(Mesh& mesh) {
     }
   }
   mesh.vertices = std::move(kept);
+}
+
+Mesh one_sided_only(const Mesh& mesh) {
+  Mesh part{.vertices = mesh.vertices, .triangles = {}, .parts = mesh.parts};
+  const std::vector<bool> one_sided = one_sided_parts(mesh);
+  std::copy_if(mesh.triangles.begin(), mesh.triangles.end(), std::back_inserter(part.triangles),
+               [&](const Triangle& triangle) { return one_sided[triangle.part]; });
+  return part;
+}
+
+// Whether a triangle lies back to back with its neighbour, as those of a sheet's two sides do.
+bool has_flat_fold(const Mesh& mesh) {
+  constexpr double kFlat = 1e-8;  // 1 + the cosine between the normals
+  const std::vector<HalfEdge> halves = sorted_half_edges(mesh);
+  return std::adjacent_find(
+             halves.begin(), halves.end(), [&](const HalfEdge& a, const HalfEdge& b) {
+               if (a.low != b.low || a.high != b.high) return false;
+               const Eigen::Vector3d one = face_normal(mesh, mesh.triangles[a.triangle]);
+               return one.dot(face_normal(mesh, mesh.triangles[b.triangle])) < kFlat - 1;
+             }) != halves.end();
+}
+
+void make_two_sided(Mesh& mesh) {
+  for (Part& part : mesh.parts) {
+    if (part.material) part.material->is_two_sided = true;
+  }
 }
 
 }  // namespace
@@ -71,6 +99,35 @@ void hide_parts(const std::vector<std::string>& hidden, const std::filesystem::p
   mesh.triangles.resize(kept);
   if (!mesh.coats.empty()) mesh.coats.resize(kept);
   compact_vertices(mesh);
+}
+
+std::string take_backfaces(const MeshUse& use, Mesh& mesh) {
+  if (use.backfaces == "seen") {
+    make_two_sided(mesh);
+    return "";
+  }
+  if (!use.backfaces.empty() && use.backfaces != "material") {
+    throw InputError(
+        fmt::format("mesh.backfaces: is \"{}\", must be \"material\" or \"seen\"", use.backfaces));
+  }
+  if (one_sided_parts(mesh).empty()) return "";
+  const std::string what =
+      "its one-sided surfaces (glTF without doubleSided) are not drawn from "
+      "behind";
+  const std::string remedy = "--backfaces seen (mesh.backfaces) draws their backs too";
+  constexpr size_t kMostInspected = 1'000'000;  // triangles; more take memory and time
+  if (mesh.triangles.size() > kMostInspected) return what + "; " + remedy;
+  const Mesh one_sided = one_sided_only(mesh);
+  const MeshInspection found = inspect(one_sided);
+  if (found.open_edges + found.flipped_edges + found.inward_components == 0) {
+    // Nobody sees a back of it from outside, unless it lies on its front.
+    if (!has_flat_fold(one_sided)) make_two_sided(mesh);
+    return "";
+  }
+  return fmt::format(
+      "{}, and have {} open edges, {} edges whose faces disagree and {} closed pieces inside out; "
+      "{}",
+      what, found.open_edges, found.flipped_edges, found.inward_components, remedy);
 }
 
 std::string taken_note(const MeshUse& use, bool is_mesh_file) {

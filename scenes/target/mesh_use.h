@@ -18,6 +18,7 @@ struct MeshUse {
   std::string unit;     ///< its unit, as `unit_named` takes it
   /// Parts that are left out, by name; "*" stands for any letters, "?" for one.
   std::vector<std::string> hidden = {};
+  std::string backfaces = {};  ///< "seen": all materials are two-sided; "material": as they say
 
   bool says_frame() const { return !(forward + up + unit).empty(); }
   auto operator<=>(const MeshUse&) const = default;
@@ -31,6 +32,11 @@ MeshFrame frame_of(const MeshUse& use);
 /// name fits no part, or nothing would be left.
 void hide_parts(const std::vector<std::string>& hidden, const std::filesystem::path& file,
                 Mesh& mesh);
+
+/// Makes materials two-sided where the use says so, or nobody sees a back: all with one side are
+/// closed and turned outward. Else one clause says what may not be seen, if anything. Throws
+/// InputError for a word that is none.
+std::string take_backfaces(const MeshUse& use, Mesh& mesh);
 
 /// One clause that says how a mesh was taken: of a mesh file its unit and axes, and what of it was
 /// left out. Empty where there is nothing to say.

@@ -136,8 +136,9 @@ void check_parts(const TomlTable& table, const Mesh& mesh) {
 void take_mesh(const MeshUse& use, bool is_mesh_file, const std::filesystem::path& file,
                Mesh& mesh) {
   hide_parts(use.hidden, file, mesh);
-  const std::string note = taken_note(use, is_mesh_file);
-  if (!note.empty()) mesh.notes.push_back(note);
+  for (const std::string& note : {taken_note(use, is_mesh_file), take_backfaces(use, mesh)}) {
+    if (!note.empty()) mesh.notes.push_back(note);
+  }
 }
 
 // Far from its origin nothing is known to single precision, which models and pictures have, and no

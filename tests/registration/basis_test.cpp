@@ -52,6 +52,18 @@ TEST(Basis, SumsToTheRenderersPictureThroughALens) {
   EXPECT_LT(difference_from_renderer(scene, scene.light), kRounding);
 }
 
+TEST(Basis, SeesNoBacksOfWhatHasOneSide) {
+  for (const bool has_back : {false, true}) {
+    Scene scene = brick_scene();
+    Mesh sheet = plate(1);
+    sheet.parts[0].material.emplace().is_two_sided = has_back;
+    scene.target = target_of(std::move(sheet));
+    scene.cam_from_target = at(0, 0, 10, {0, 3, 0});
+    BasisDrawer drawer(scene.target->mesh, scene.camera);
+    EXPECT_EQ(drawer.draw(scene.cam_from_target, with_margin(2)).has_value(), has_back);
+  }
+}
+
 TEST(Basis, SaysWhereTheNearestSurfaceIs) {
   Scene scene = brick_scene();
   scene.target = target_of(plate(1));

@@ -74,6 +74,56 @@ Scene upright(int texels) {
   return colour_scene(painted_plate(1, many_colours(texels, texels)), at(0, 0, 10), 2560);
 }
 
+// A plate whose occlusion texture has one red everywhere, its strength that of the material.
+Scene occluded(int red, double strength) {
+  Texture texture{.name = "t", .width = 1, .height = 1, .rgba = {}};
+  for (const int c : {red, 255, 255, 255}) texture.rgba.push_back(static_cast<uint8_t>(c));
+  texture.is_srgb = false;
+  Mesh mesh = painted_plate(1, std::make_shared<const Texture>(std::move(texture)));
+  Material& material = *mesh.parts[0].material;
+  material.base_texture = {};
+  material.occlusion_texture.texture = 0;
+  material.occlusion_strength = strength;
+  return colour_scene(std::move(mesh), at(0, 0, 10), 2560);
+}
+
+float middle_red(const Scene& scene) {
+  return Renderer().render_linear(scene).at<cv::Vec3f>(250, 260)[2];
+}
+
+TEST(Occlusion, TakesItsShareOfTheLightFromAllAround) {
+  for (const int red : {0, 51, 255}) {
+    for (const double strength : {0.0, 0.5, 1.0}) {
+      Scene scene = occluded(red, strength);
+      scene.light.ambient = 0.5;
+      const double share = 1 + strength * (red / 255.0 - 1);
+      EXPECT_NEAR(middle_red(scene), 0.5 * share, kRounding) << red << " " << strength;
+      // Lights that come from somewhere are not dimmed.
+      scene.light.directional = 0.3;
+      scene.light.second = 0.1;
+      EXPECT_NEAR(middle_red(scene), 0.5 * share + 0.4, kRounding) << red << " " << strength;
+    }
+  }
+}
+
+TEST(Occlusion, TakesItOfAPanoramaAndOfGloss) {
+  for (const bool has_gloss : {false, true}) {
+    const auto seen = [&](int red) {
+      Scene scene = occluded(red, 1);
+      Mesh mesh = scene.target->mesh;
+      mesh.parts[0].material->has_gloss = has_gloss;
+      mesh.parts[0].material->roughness = 0.5;
+      scene.target = target_of(std::move(mesh));
+      scene.light.ambient = 0;
+      scene.environment.light =
+          std::make_shared<const cv::Mat>(32, 64, CV_32FC3, cv::Scalar::all(0.5));
+      return middle_red(scene);
+    };
+    EXPECT_GT(seen(255), 0.4);
+    EXPECT_NEAR(seen(102), 0.4 * seen(255), kRounding);
+  }
+}
+
 TEST(Colour, TexelsAreTheSquaresThatTheyMustBe) {
   Scene scene = upright(8);  // 32 px a texel
   Mesh mesh = scene.target->mesh;
@@ -271,9 +321,9 @@ TEST(Colour, ASecondLightAndColouredOnesAdd) {
   EXPECT_NEAR(got[2], 0.1 + 0.3, kRounding);
   EXPECT_NEAR(got[1], 0.1 + 0.3 * 0.5 + 0.5 * 0.8 * 0.25, kRounding);
   EXPECT_NEAR(got[0], 0.1 + 0.5 * 0.8, kRounding);
-  scene.colouring.mode = ColourMode::kGrey;  // lights are white there
-  EXPECT_NEAR(Renderer().render_linear(scene).at<float>(300, 300), 0.1 + 0.3 + 0.5 * 0.8,
-              kRounding);
+  scene.colouring.mode = ColourMode::kGrey;
+  const double luminance = 0.2126 * got[2] + 0.7152 * got[1] + 0.0722 * got[0];
+  EXPECT_NEAR(Renderer().render_linear(scene).at<float>(300, 300), luminance, kRounding);
 }
 
 TEST(Colour, GlossShowsTheLightWhereItIsMirrored) {

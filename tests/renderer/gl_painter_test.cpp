@@ -57,6 +57,21 @@ TEST_P(GlPainterOf, SeesWhatOurOwnSees) {
   EXPECT_GT(cv::norm(own.render_linear(moved), theirs, cv::NORM_L1) / (256 * 256), 5e-4);
 }
 
+TEST_P(GlPainterOf, SeesNoBacksOfWhatHasOneSide) {
+  std::unique_ptr<Renderer> gl;
+  try {
+    gl = std::make_unique<Renderer>(RendererOptions{.gl = GetParam()});
+  } catch (const GraphicsError& error) {
+    GTEST_SKIP() << error.what();
+  }
+  Mesh mesh = plate(1);
+  mesh.parts[0].material.emplace().is_two_sided = false;
+  for (const double turn : {0.0, 3.0}) {
+    Scene scene = coverage_scene(mesh, at(0, 0, 10, {0, turn, 0}), 2560);
+    EXPECT_EQ(cv::countNonZero(gl->render_linear(scene)) > 0, turn == 0);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(EveryContext, GlPainterOf,
                          testing::Values(GlChoice::kOsMesa, GlChoice::kEgl));
 

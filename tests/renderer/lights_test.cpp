@@ -116,6 +116,68 @@ TEST(Surroundings, InGreyTheyCountByTheirLuminance) {
   EXPECT_NEAR(Renderer().render_linear(scene).at<float>(16, 16), expected, kSinglePrecision);
 }
 
+TEST(Surroundings, InGreyTheyMayBeBrighterThanWhite) {
+  Scene scene = dark_plate(at(0, 0, 20));
+  scene.colouring.mode = ColourMode::kGrey;
+  scene.environment.light = even_panorama(cv::Scalar::all(3));
+  scene.environment.strength = 0.25;
+  EXPECT_NEAR(Renderer().render_linear(scene).at<float>(16, 16), 0.75, kSinglePrecision);
+}
+
+// Light of many colours from all that has one: two distant lights, highlights and a lamp.
+Scene coloured_lights() {
+  Scene scene = dark_plate(at(0, 0, 20));
+  scene.light.directional = 0.2;
+  scene.light.specular = 0.1;
+  scene.light.colour = {1, 0.5, 0.25};
+  scene.light.second = 0.3;
+  scene.light.second_colour = {0.2, 0.4, 0.8};
+  return scene;
+}
+
+double luminance_of(const cv::Vec3f& blue_green_red) {
+  return 0.0722 * blue_green_red[0] + 0.7152 * blue_green_red[1] + 0.2126 * blue_green_red[2];
+}
+
+TEST(LightColours, InGreyTheyCountByTheirLuminance) {
+  Scene scene = coloured_lights();
+  Renderer renderer;
+  const double expected = luminance_of(lit_middle(renderer, scene));
+  EXPECT_GT(expected, 0.2);
+  scene.colouring.mode = ColourMode::kGrey;
+  EXPECT_NEAR(renderer.render_linear(scene).at<float>(16, 16), expected, kSinglePrecision);
+}
+
+TEST(LightColours, InGreyLampsDoTheSame) {
+  Scene scene = coloured_lights();
+  Lamp lamp;
+  lamp.strength = 0.3;
+  lamp.distance_m = 20;
+  lamp.colour = {0.1, 0.9, 0.3};
+  scene.lamps = {lamp};
+  Renderer renderer;
+  const double expected = luminance_of(lit_middle(renderer, scene));
+  scene.colouring.mode = ColourMode::kGrey;
+  EXPECT_NEAR(renderer.render_linear(scene).at<float>(16, 16), expected, kSinglePrecision);
+}
+
+TEST(LightColours, InGreyAnEmissionCountsByItsLuminance) {
+  Material material;
+  material.emissive = {0.4, 0.2, 0.1};
+  Scene scene = dark_plate(at(0, 0, 20), material);
+  scene.colouring.mode = ColourMode::kGrey;
+  Renderer renderer;
+  const auto seen = [&] { return renderer.render_linear(scene).at<float>(16, 16); };
+  EXPECT_NEAR(seen(), 0.2126 * 0.4 + 0.7152 * 0.2 + 0.0722 * 0.1, kSinglePrecision);
+  // Of a texture that is not drawn the factor alone says nothing.
+  material.emissive_texture.texture = 0;
+  Mesh mesh = scene.target->mesh;
+  mesh.parts[0].material = material;
+  scene.target = target_of(std::move(mesh));
+  scene.colouring.draws_textures = false;
+  EXPECT_EQ(seen(), 0);
+}
+
 // Of half a white sphere a surface whose normal is t from its middle sees (1 + cos t) / 2.
 TEST(Surroundings, OfHalfASphereADullSurfaceSeesWhatItIsTurnedTo) {
   const EnvironmentLight light(upper_half());

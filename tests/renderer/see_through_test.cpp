@@ -4,6 +4,7 @@
 // Surfaces that show what is behind them: closed forms of what a pixel holds.
 #include <array>
 #include <memory>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -156,6 +157,104 @@ TEST(SeeThrough, DepthIsOfTheSurfaceThatTheIdsSay) {
   const Frame frame = Renderer().render(scene, RandomStream(1, "sensor", 0));
   EXPECT_NEAR(frame.depth_m.at<double>(250, 260), 10, 1e-9);  // kBlue's
   EXPECT_EQ(frame.truth.target().visible_pixels, cv::countNonZero(frame.part_ids == 2));
+}
+
+// The same with a part of one side.
+Mesh with_one_side(Mesh mesh, int part = 0) {
+  mesh.parts[static_cast<size_t>(part)].material->is_two_sided = false;
+  return mesh;
+}
+
+constexpr Pane kWhite{-0.01, {1, 1, 1, 1}, AlphaMode::kOpaque};
+
+Scene from_behind(Scene scene) {
+  scene.cam_from_target = at(0, 0, 10, {0, std::numbers::pi, 0});
+  return scene;
+}
+
+Frame seen_frame(const Scene& scene) {
+  return Renderer().render(scene, RandomStream(1, "sensor", 0));
+}
+
+TEST(OneSided, ABackIsNotThereInPicturesAndTruth) {
+  for (const ColourMode mode : {ColourMode::kGrey, ColourMode::kRgb}) {
+    const Scene front = scene_of(with_one_side(panes({kWhite})), mode);
+    EXPECT_EQ(seen_frame(front).part_ids.at<uint16_t>(250, 260), 1);
+    const Scene back = from_behind(front);
+    const cv::Mat light = Renderer().render_linear(back).reshape(1);
+    EXPECT_EQ(cv::norm(light - 0.4f, cv::NORM_INF), 0);
+    const Frame frame = seen_frame(back);
+    EXPECT_EQ(cv::countNonZero(frame.part_ids), 0);
+    EXPECT_EQ(cv::countNonZero(frame.depth_m), 0);
+    EXPECT_EQ(frame.truth.target().visible_pixels, 0);
+    EXPECT_EQ(frame.truth.target().amodal_pixels, 0);
+    EXPECT_EQ(
+        seen_frame(from_behind(scene_of(panes({kWhite}), mode))).part_ids.at<uint16_t>(250, 260), 1);
+  }
+}
+
+TEST(OneSided, ABackShowsWhatIsBehindItAndItsFeatures) {
+  // From behind the blue pane is the farther one.
+  Pane farther = kBlue;
+  farther.z_m = -0.02;
+  TargetFeature feature;
+  feature.name = "on the blue pane";
+  feature.position_m = {0.1, 0.1, farther.z_m};
+  feature.clearance_m = 1e-4;
+  for (const bool has_back : {false, true}) {
+    Mesh mesh = panes({kWhite, farther});
+    if (!has_back) mesh = with_one_side(std::move(mesh));
+    Scene scene = from_behind(scene_of(mesh));
+    scene.target = target_of(mesh, {feature});
+    expect_rgb(middle_of(scene), has_back ? Eigen::Array3d(1, 1, 1) : Eigen::Array3d(0, 0, 1));
+    const Frame frame = seen_frame(scene);
+    EXPECT_EQ(frame.part_ids.at<uint16_t>(250, 260), has_back ? 1 : 2);
+    EXPECT_NEAR(frame.depth_m.at<double>(250, 260), has_back ? 10.01 : 10.02, 1e-9);
+    EXPECT_EQ(frame.truth.target().features[0].is_visible, !has_back);
+  }
+}
+
+TEST(OneSided, AFrontHidesAsItDid) {
+  expect_rgb(middle_of(scene_of(with_one_side(panes({kWhite, kBlue})))), {1, 1, 1});
+  const Occluder occluder(with_one_side(panes({kWhite})));
+  const Eigen::Vector3d eye(0, 0, -10);
+  EXPECT_TRUE(occluder.hides({0.1, 0.1, 0}, eye, 1e-4));
+  EXPECT_FALSE(occluder.hides({0.1, 0.1, -0.02}, -eye, 1e-4));
+}
+
+// Through a lens that bends it, and reaching behind the camera, a triangle is cut: the rule is that
+// of the whole.
+TEST(OneSided, CutTrianglesFollowTheRuleOfTheWhole) {
+  for (const double turn : {0.0, std::numbers::pi}) {
+    Scene scene = scene_of(with_one_side(panes({kWhite})));
+    scene.camera = centred_camera(128, 128, 60);
+    scene.camera.lens = KannalaBrandt{};
+    scene.cam_from_target = at(0, 0, 0.5, {0, turn, 0});
+    EXPECT_EQ(seen_frame(scene).part_ids.at<uint16_t>(64, 64), turn == 0 ? 1 : 0);
+    // Its near side lies behind the camera.
+    scene.cam_from_target = at(0, 0, 0.3, {0, turn + 1.2, 0});
+    EXPECT_EQ(cv::countNonZero(seen_frame(scene).part_ids) > 0, turn == 0);
+  }
+}
+
+TEST(OneSided, ABackBlocksLightAllTheSame) {
+  // The light comes from the camera; of the pane before the blue one it sees the back.
+  const auto lit = [](bool casts_shadow) {
+    Mesh mesh = panes({{0, {1, 1, 1, 1}, AlphaMode::kOpaque}});
+    for (Triangle& triangle : mesh.triangles) {
+      std::swap(triangle.vertex[0], triangle.vertex[1]);
+      std::swap(triangle.normal[0], triangle.normal[1]);
+      for (Eigen::Vector3d& normal : triangle.normal) normal = -normal;
+    }
+    Scene scene = scene_of(panes({kBlue}), ColourMode::kGrey);
+    scene.others.push_back({target_of(with_one_side(std::move(mesh))), at(0, 0, 9.5), true});
+    scene.light.ambient = 0.2;
+    scene.light.directional = 0.5;
+    scene.light.casts_shadow = casts_shadow;
+    return Renderer().render_linear(scene).at<float>(250, 260);
+  };
+  EXPECT_NEAR(lit(false), 0.7, kPaintRounding);
+  EXPECT_NEAR(lit(true), 0.2, kPaintRounding);
 }
 
 }  // namespace

@@ -52,6 +52,28 @@ TEST(MeshIo, GlbComesBackAsItWentOut) {
   EXPECT_NEAR(inspect(back).volume_m3, 1, 1e-6);
 }
 
+// The mesh of a file that has the square twice, front and back of another part each.
+Mesh sheet(bool has_two_sides) {
+  const TemporaryFolder folder;
+  Mesh mesh;
+  mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+  mesh.parts = {{"front", 1}, {"back", 1}};
+  for (Part& part : mesh.parts) part.material.emplace().is_two_sided = has_two_sides;
+  mesh.triangles = {{{0, 1, 2}, 0}, {{2, 1, 0}, 1}, {{1, 0, 2}, 1}, {{1, 2, 0}, 1}};
+  compute_corner_normals(mesh, 0.1);
+  write_glb(mesh, folder.path() / "sheet.glb");
+  return read_mesh(folder.path() / "sheet.glb").mesh;
+}
+
+TEST(MeshIo, FrontAndBackOfASheetAreTwoWhereEachHasOneSide) {
+  const Mesh mesh = sheet(false);
+  ASSERT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.triangles[0].part, 0);
+  EXPECT_EQ(mesh.triangles[1].part, 1);
+  EXPECT_LT(face_normal(mesh, mesh.triangles[0]).dot(face_normal(mesh, mesh.triangles[1])), -0.999);
+  EXPECT_EQ(sheet(true).triangles.size(), 1u);
+}
+
 TEST(MeshIo, ATextureComesBackAsItWentOut) {
   const TemporaryFolder folder;
   Mesh mesh = build_cube().mesh;

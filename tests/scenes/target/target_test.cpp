@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "scenes/target/target.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,7 +16,9 @@
 namespace sightline {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr const char* kHead =
     "name = 'box'\n[mesh]\nfile = 'cube.glb'\nforward = '+z'\nup = '+y'\n";
@@ -136,6 +139,39 @@ TEST(Targets, ACubeHidesItsFarVertex) {
     EXPECT_EQ(feature.position_m, Eigen::Vector3d(0.5, 0.5, 0.5)) << feature.name;
   }
   EXPECT_EQ(hidden, 1);
+}
+
+TEST_F(TargetFile, OneSidedHolesAreSaidUnlessBacksAreSeen) {
+  Mesh open = build_cube().mesh;
+  for (Part& part : open.parts) part.material.emplace().is_two_sided = false;
+  const std::string closed_file = (folder_.path() / "closed.glb").string();
+  write_glb(open, closed_file);
+  open.triangles.pop_back();
+  const std::string open_file = (folder_.path() / "open.glb").string();
+  write_glb(open, open_file);
+  const auto said = [](const Mesh& mesh) { return fmt::format("{}", fmt::join(mesh.notes, "|")); };
+  const auto closed = load_target(closed_file);
+  EXPECT_THAT(said(closed->mesh), Not(HasSubstr("one-sided")));
+  EXPECT_TRUE(one_sided_parts(closed->mesh).empty()) << "nobody sees a back of it";
+  const auto with_hole = load_target(open_file);
+  EXPECT_THAT(said(with_hole->mesh), AllOf(HasSubstr("3 open edges"), HasSubstr("backfaces")));
+  EXPECT_FALSE(one_sided_parts(with_hole->mesh).empty());
+
+  // The two sides of a sheet are closed together, and yet each is seen alone.
+  Mesh sheet{.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, .triangles = {}, .parts = open.parts};
+  sheet.triangles = {{.vertex = {0, 1, 2}, .part = 0}, {.vertex = {0, 2, 1}, .part = 1}};
+  compute_corner_normals(sheet, 0.1);
+  const std::string sheet_file = (folder_.path() / "sheet.glb").string();
+  write_glb(sheet, sheet_file);
+  EXPECT_FALSE(one_sided_parts(load_target(sheet_file)->mesh).empty());
+
+  MeshUse use;
+  use.backfaces = "seen";
+  const auto seen = load_target(open_file, use);
+  EXPECT_THAT(said(seen->mesh), Not(HasSubstr("one-sided")));
+  EXPECT_TRUE(one_sided_parts(seen->mesh).empty());
+  use.backfaces = "sene";
+  EXPECT_THAT(error_of([&] { load_target(open_file, use); }), HasSubstr("\"sene\""));
 }
 
 TEST_F(TargetFile, IsReadOnceWhileItIsRemembered) {
