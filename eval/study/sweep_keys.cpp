@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -80,6 +81,13 @@ bool is_text(const std::string& literal) {
 struct SweptKeys {
   std::set<std::string> all;
   std::set<std::string> of_words;
+  std::map<std::string, std::set<std::string>> lists;  // the values that are lists of numbers
+
+  // A list that is the key's only one says too little for its length.
+  bool is_named(const SweptValue& swept) const {
+    const auto found = lists.find(swept.key);
+    return found == lists.end() || found->second.size() > 1;
+  }
 };
 
 // Whether the words of a key say whose they are ("rgb", "contrast").
@@ -115,6 +123,7 @@ void add_value(Condition& condition, const SweptValue& swept, bool is_alone,
     if (is_text(swept.literal)) shown = value.text("value");
     condition.words[swept.key] = shown;
   }
+  if (!keys.is_named(swept)) return;
   const std::string label = label_of(swept, shown, is_alone, keys);
   if (condition.label.empty()) {
     condition.label = label;
@@ -174,6 +183,7 @@ std::vector<Condition> conditions_of(const std::vector<SweptCell>& cells) {
       keys.all.insert(swept.key);
       const bool is_word = is_text(swept.literal) && !has_plain_words(swept.key);
       if (is_word) keys.of_words.insert(swept.key);
+      if (swept.literal.front() == '[') keys.lists[swept.key].insert(swept.literal);
     }
   }
   std::vector<Condition> conditions;

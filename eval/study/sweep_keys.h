@@ -40,8 +40,8 @@ void require_few_cells(const TomlTable& study, size_t cells);
 void with_swept_values(const TomlTable& study, const SweptCell& cell,
                        const std::function<void(const TomlTable&)>& use);
 
-/// The condition of each cell: the values, and a label in which words lead; empty where nothing is
-/// swept.
+/// The condition of each cell: the values, and a label in which words lead, without a list that is
+/// the only one of its key; empty where nothing is swept.
 std::vector<Condition> conditions_of(const std::vector<SweptCell>& cells);
 
 /// A quantity of a numeric or orientation study that is swept, or has one value.
