@@ -16,6 +16,7 @@
 namespace sightline {
 namespace {
 
+static_assert(kSampleCounts.back() <= kMostSamples);
 constexpr double kShadowTexelPx = 0.1;  // as the image sees it, where Shadow can hold that many
 
 // The square of the shorter half axis of the ellipse that a linear map makes of the unit circle.

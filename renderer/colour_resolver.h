@@ -23,11 +23,11 @@ struct ColourMemory {
   TextureCache textures;
   SkyMemory skies;
   std::unique_ptr<EnvironmentLight> environment;  ///< of the last scene that had one
+  std::vector<int> plane_index;  ///< by id, one more than its place in planes; 0: not yet made
+  std::vector<SurfacePlane> planes;
 
   /// That of the scene, made where it is another than the last; none where the scene has none.
   EnvironmentLight* environment_of(const Scene& scene);
-  std::vector<int> plane_index;  ///< by id, one more than its place in planes; 0: not yet made
-  std::vector<SurfacePlane> planes;
 };
 
 /// Turns what samples see into coloured light: a surface is lit once a pixel, at the sample nearest

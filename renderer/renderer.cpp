@@ -22,6 +22,7 @@
 #include "renderer/truth.h"
 #include "renderer/views.h"
 #include "scenes/files/input_error.h"
+#include "scenes/mesh/mesh_soup.h"
 #include "scenes/picture/picture_file.h"
 
 namespace sightline {
@@ -81,7 +82,8 @@ bool needs_colour(const Scene& scene) {
 
 cv::Mat to_grey(const cv::Mat& blue_green_red) {
   cv::Mat grey;
-  cv::transform(blue_green_red, grey, cv::Matx13d(kGreyShares[2], kGreyShares[1], kGreyShares[0]));
+  cv::transform(blue_green_red, grey,
+                cv::Matx13d(kLuminanceShares[2], kLuminanceShares[1], kLuminanceShares[0]));
   return grey;
 }
 
@@ -89,8 +91,8 @@ cv::Mat to_grey(const cv::Mat& blue_green_red) {
 // of grey.
 cv::Mat joined(const std::array<cv::Mat, 3>& blue_green_red) {
   if (blue_green_red[0].channels() == 1) {
-    return kGreyShares[2] * blue_green_red[0] + kGreyShares[1] * blue_green_red[1] +
-           kGreyShares[0] * blue_green_red[2];
+    return kLuminanceShares[2] * blue_green_red[0] + kLuminanceShares[1] * blue_green_red[1] +
+           kLuminanceShares[0] * blue_green_red[2];
   }
   cv::Mat all = blue_green_red[1].clone();
   for (const int channel : {0, 2}) {

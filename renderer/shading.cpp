@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include "scenes/mesh/mesh_soup.h"
+
 namespace sightline {
 namespace {
 
@@ -64,7 +66,8 @@ Eigen::Vector3d RayHits::in_body(const SurfacePoint& point) const {
 double grey_of(const Eigen::Vector3d& light) {
   // Of white all of it: the shares add up to 1 but for rounding.
   if (light == Eigen::Vector3d::Ones()) return 1;
-  return kGreyShares[0] * light[0] + kGreyShares[1] * light[1] + kGreyShares[2] * light[2];
+  return kLuminanceShares[0] * light[0] + kLuminanceShares[1] * light[1] +
+         kLuminanceShares[2] * light[2];
 }
 
 Shadow::Shadow(const std::vector<PlacedBody>& bodies, size_t receiver, const Light& light,

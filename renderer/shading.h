@@ -47,9 +47,6 @@ Eigen::Vector3d facing_normal(const Mesh& mesh, const Triangle& triangle, bool i
 /// length.
 Eigen::Vector3d lit_normal(const Mesh& mesh, const SurfacePoint& point);
 
-/// Of red, green and blue light (Rec. 709) in grey.
-constexpr std::array kGreyShares = {0.2126, 0.7152, 0.0722};
-
 /// What a picture in grey has of red, green and blue light: its luminance, which may exceed 1.
 double grey_of(const Eigen::Vector3d& light);
 

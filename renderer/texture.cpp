@@ -130,7 +130,7 @@ const TexturePyramid& TextureCache::pyramid(const std::shared_ptr<const Texture>
   auto found = pyramids_.find(texture);
   if (found == pyramids_.end()) {
     // Of a folder's pictures each scene has another.
-    std::erase_if(pyramids_, [](const auto& entry) { return entry.first.use_count() == 1; });
+    std::erase_if(pyramids_, [](const auto& entry) { return entry.first.expired(); });
     found = pyramids_.try_emplace(texture).first;
   }
   std::unique_ptr<TexturePyramid>& pyramid = found->second[weighs_alpha ? 1 : 0];

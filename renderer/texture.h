@@ -52,17 +52,17 @@ class TexturePyramid {
   static Level halved(Level& level);
 };
 
-/// The pyramids of a renderer, made when they are first asked for. It keeps the textures until it
-/// makes another when nobody else holds them.
+/// The pyramids of a renderer, made when they are first asked for, and let go once nobody holds
+/// their textures any more and another is made.
 class TextureCache {
  public:
-  /// Valid as long as somebody else holds the texture, too.
+  /// Valid as long as somebody holds the texture.
   const TexturePyramid& pyramid(const std::shared_ptr<const Texture>& texture, bool weighs_alpha);
 
  private:
   // Two of a texture: alpha counts for nothing, or is weighed.
-  std::map<std::shared_ptr<const Texture>, std::array<std::unique_ptr<TexturePyramid>, 2>>
-      pyramids_;
+  using Pyramids = std::array<std::unique_ptr<TexturePyramid>, 2>;
+  std::map<std::weak_ptr<const Texture>, Pyramids, std::owner_less<>> pyramids_;
 };
 
 }  // namespace sightline

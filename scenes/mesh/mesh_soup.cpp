@@ -386,7 +386,8 @@ class Decoder {
 }  // namespace
 
 double luminance(double red, double green, double blue) {
-  const double y = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
+  const double y =
+      kLuminanceShares[0] * red + kLuminanceShares[1] * green + kLuminanceShares[2] * blue;
   return y > 0 ? std::min(y, 1.0) : 0.0;  // 0 also where a file has no number
 }
 

@@ -99,7 +99,10 @@ class SoupTransform {
 /// Throws InputError when the soup with `more` triangles and one more part would be too large.
 void require_room(const MeshSoup& soup, size_t more, const std::filesystem::path& file);
 
-/// Linear luminance of a linear RGB colour (Rec. 709 weights), clamped to [0, 1].
+/// The shares of linear red, green and blue in their luminance (Rec. 709).
+constexpr std::array kLuminanceShares = {0.2126, 0.7152, 0.0722};
+
+/// Linear luminance of a linear RGB colour, clamped to [0, 1].
 double luminance(double red, double green, double blue);
 
 /// A soup as bytes, to cross from one process to another of the same machine: as a whole, or piece

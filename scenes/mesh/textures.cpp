@@ -59,6 +59,7 @@ std::vector<uint8_t> alphas_of(const Texture& picture, bool by_brightness) {
   if (!by_brightness || std::any_of(alphas.begin(), alphas.end(), [](int a) { return a != 255; })) {
     return alphas;
   }
+  // Grey of the stored numbers, as pictures in grey are made (BT.601).
   for (size_t i = 0; i < alphas.size(); ++i) {
     const uint8_t* texel = picture.rgba.data() + 4 * i;
     alphas[i] =
