@@ -27,21 +27,42 @@ double visibility(double a, double n_l, double n_v) {
   return 0.5 / (light + eye);
 }
 
-// Half-way directions drawn as D n_h says (Walter et al. 2007): each counts 4 V n_l v_h / n_h.
+// The part of the microfacets that the eye sees, or the light reaches, beside no others.
+double unmasked(double a, double cosine) {
+  return 2 * cosine / (cosine + std::sqrt(a * a + (1 - a * a) * cosine * cosine));
+}
+
+// A half-way direction from the unit square, as often as the eye sees microfacets there (E. Heitz,
+// Sampling the GGX distribution of visible normals, 2018): its cosines to the normal and the eye.
+struct HalfWay {
+  double n_h = 0, v_h = 0;
+};
+HalfWay seen_half_way(double a, double n_v, double radius, double azimuth) {
+  const double side = std::sqrt(std::max(0.0, 1 - n_v * n_v));
+  const double stretch = std::hypot(a * side, n_v);
+  const double eye_x = a * side / stretch, eye_z = n_v / stretch;
+  // On a disc across the stretched eye, pushed off its hidden half.
+  const double y = radius * std::cos(azimuth);
+  const double push = (1 + eye_z) / 2;
+  const double across = (1 - push) * std::sqrt(1 - y * y) + push * radius * std::sin(azimuth);
+  const double along = std::sqrt(std::max(0.0, 1 - y * y - across * across));
+  const double x = a * (along * eye_x - across * eye_z);
+  const double z = std::max(0.0, along * eye_z + across * eye_x);
+  const double length = std::sqrt(x * x + a * a * y * y + z * z);
+  return {z / length, (side * x + n_v * z) / length};
+}
+
 GlowShares integrated(double a, double n_v) {
   constexpr uint32_t kDirections = 1024;
-  const double side = std::sqrt(std::max(0.0, 1 - n_v * n_v));
   GlowShares sum;
   for (uint32_t i = 0; i < kDirections; ++i) {
     const double azimuth = 2 * std::numbers::pi * (i + 0.5) / kDirections;
-    const double x = radical_inverse(i) + 0.5 / kDirections;
-    const double n_h = std::sqrt((1 - x) / (1 + (a * a - 1) * x));
-    const double h_side = std::sqrt(std::max(0.0, 1 - n_h * n_h)) * std::cos(azimuth);
-    const double v_h = side * h_side + n_v * n_h;
-    const double n_l = 2 * v_h * n_h - n_v;
-    if (!(n_l > 0 && v_h > 0)) continue;
-    const double share = 4 * visibility(a, n_l, n_v) * n_l * v_h / n_h / kDirections;
-    const double weight = fresnel_weight(v_h);
+    const double radius = std::sqrt(radical_inverse(i) + 0.5 / kDirections);
+    const HalfWay half_way = seen_half_way(a, n_v, radius, azimuth);
+    const double n_l = 2 * half_way.v_h * half_way.n_h - n_v;
+    if (!(n_l > 0)) continue;
+    const double share = 4 * n_l * n_v * visibility(a, n_l, n_v) / unmasked(a, n_v) / kDirections;
+    const double weight = fresnel_weight(half_way.v_h);
     sum.plain += share * (1 - weight);
     sum.grazing += share * weight;
   }

@@ -25,7 +25,7 @@ struct GlowShares {
   double grazing = 0;
 };
 
-/// Interpolated in a table of integrals by 1024 fixed directions, to some 0.003.
+/// Interpolated in a table of integrals by 1024 fixed directions, each true to 0.001.
 GlowShares glow_shares(double a, double n_v);
 
 /// glow_shares() of one `a` by the eye's cosine, for whoever asks often.
