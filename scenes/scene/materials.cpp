@@ -250,6 +250,16 @@ FileDraw pictures_to_draw(const TomlTable& table, const std::string& given) {
 // Textures of files: while few are drawn, a renderer meets the same ones again.
 class FileTextures {
  public:
+  // One for all laws while any of them lives, so that a sweep's cells have the same textures.
+  static std::shared_ptr<FileTextures> shared() {
+    static std::mutex mutex;
+    static std::weak_ptr<FileTextures> current;
+    const std::lock_guard<std::mutex> lock(mutex);
+    auto textures = current.lock();
+    if (!textures) current = textures = std::make_shared<FileTextures>();
+    return textures;
+  }
+
   std::shared_ptr<const Texture> get(const FileDraw& files, const fs::path& file) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto known = textures_.find(file);
@@ -383,7 +393,7 @@ MaterialLaw read_materials(const TomlTable& file, const ColouringLaw& colouring,
     if (!colouring.draws_textures) table.fail("textures", "needs image.textures = true");
     law.files = pictures_to_draw(table, law.textures);
   }
-  law.shelf = std::make_shared<FileTextures>();
+  law.shelf = FileTextures::shared();
   law.bodies.push_back(prepared_body(law, target));
   if (!law.is_of_all) return law;
   for (const OtherLaw& other : others) {

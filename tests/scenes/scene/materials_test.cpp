@@ -167,6 +167,24 @@ TEST(Materials, WithoutAWidthOnePictureReachesOverTheBody) {
   EXPECT_EQ(scene.materials.front().texture, file.string());
 }
 
+// The cells of a sweep are as many laws: a picture is in memory once, and goes with the last.
+TEST(Materials, LawsOfOnePictureHaveOneTexture) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("a.png", picture_of({9, 9, 9}));
+  std::weak_ptr<const Texture> texture;
+  {
+    const SceneLaw one = law_of(textures_in(file));
+    const SceneLaw other = law_of(textures_in(file, "texture_m = 0.5\n"));
+    const auto worn = [](const SceneLaw& law) {
+      return draw_scene(law, 0, 7, 0).scene.target->mesh.textures.back();
+    };
+    EXPECT_EQ(worn(one), worn(other));
+    texture = worn(one);
+    EXPECT_FALSE(texture.expired());
+  }
+  EXPECT_TRUE(texture.expired());
+}
+
 TEST(Materials, TextureCoordinatesOfTheFileAreKept) {
   const TemporaryFolder folder;
   const auto file = folder.write("a.png", picture_of({9, 9, 9}));
