@@ -14,6 +14,7 @@
 
 #include "scenes/mesh/mesh_soup.h"
 #include "scenes/picture/picture_file.h"
+#include "scenes/scene/box_uv.h"
 
 namespace sightline {
 namespace {
@@ -60,61 +61,39 @@ std::array<double, 3> linear_of_hsv(double hue_deg, double saturation, double va
   return rgb;
 }
 
-double uv_area(const Coat& coat) {
-  const Eigen::Vector2f a = coat.uv[1] - coat.uv[0], b = coat.uv[2] - coat.uv[0];
-  return std::abs(a.x() * b.y() - a.y() * b.x());
-}
-
-// Parts that no texture can lie on by the coordinates that the file has.
-std::vector<bool> parts_without_uv(const Mesh& mesh) {
-  std::vector<bool> is_without(mesh.parts.size(), true);
-  for (size_t t = 0; t < mesh.coats.size(); ++t) {
-    if (uv_area(mesh.coats[t]) > 0) is_without[static_cast<size_t>(mesh.triangles[t].part)] = false;
-  }
-  return is_without;
-}
-
-// Metres along the two axes across the one that the triangle faces. From outside, u grows to the
-// right where v grows downwards, so that no picture is mirrored.
-void set_box_uv(const Mesh& mesh, const Triangle& triangle, Coat& coat) {
-  const Eigen::Vector3d normal = face_normal(mesh, triangle);
-  Eigen::Index axis = 0;
-  normal.cwiseAbs().maxCoeff(&axis);
-  const double sign = normal[axis] < 0 ? 1 : -1;
-  for (size_t corner = 0; corner < 3; ++corner) {
-    const Eigen::Vector3d& at = mesh.vertices[static_cast<size_t>(triangle.vertex[corner])];
-    coat.uv[corner] = Eigen::Vector2d(sign * at[(axis + 1) % 3], at[(axis + 2) % 3]).cast<float>();
-  }
-}
-
 // The shape of a see-through part lies in its texture.
 bool keeps_paint(const Part& part) {
   return part.material && part.material->alpha_mode != AlphaMode::kOpaque &&
          part.material->base_texture.is_there();
 }
 
+bool changes_coats(const MaterialLaw& law, const Mesh& mesh) {
+  return !law.textures.empty() || (law.has_colour && !mesh.coats.empty());
+}
+
 // Without the colours of vertices where materials have colours of their own; their alpha stays.
-void prepare_coats(const MaterialLaw& law, Mesh& mesh, const std::vector<bool>& has_box_uv) {
-  const bool has_textures = !law.textures.empty();
-  if (!law.has_colour && !has_textures) return;
-  if (mesh.coats.empty() && !has_textures) return;
+void prepare_coats(const MaterialLaw& law, const std::vector<bool>& has_box_uv, Mesh& mesh) {
   mesh.coats.resize(mesh.triangles.size());
   for (size_t t = 0; t < mesh.coats.size(); ++t) {
-    const auto part = static_cast<size_t>(mesh.triangles[t].part);
-    if (keeps_paint(mesh.parts[part])) continue;
+    if (keeps_paint(mesh.parts[static_cast<size_t>(mesh.triangles[t].part)])) continue;
     for (Eigen::Vector4f& colour : mesh.coats[t].colour) colour.head<3>().setOnes();
-    if (has_textures && has_box_uv[part]) set_box_uv(mesh, mesh.triangles[t], mesh.coats[t]);
   }
+  if (!law.textures.empty()) lay_box_uv(has_box_uv, mesh);
 }
 
 DressedBody prepared_body(const MaterialLaw& law, const std::shared_ptr<const Target>& target) {
-  DressedBody body{.target = target, .prepared = nullptr, .has_box_uv = {}, .side_m = 0};
-  auto prepared = std::make_shared<Target>(*target);
-  body.has_box_uv = parts_without_uv(prepared->mesh);
-  prepare_coats(law, prepared->mesh, body.has_box_uv);
-  const Bounds box = bounds(prepared->mesh);
+  const Mesh& mesh = target->mesh;
+  DressedBody body{.target = target, .prepared = target, .has_box_uv = {}, .side_m = 0};
+  const Bounds box = bounds(mesh);
   body.side_m = (box.max_m - box.min_m).maxCoeff();
-  body.prepared = std::move(prepared);
+  body.has_box_uv = parts_without_uv(mesh);
+  for (size_t i = 0; i < mesh.parts.size(); ++i) {
+    if (keeps_paint(mesh.parts[i])) body.has_box_uv[i] = false;
+  }
+  if (!changes_coats(law, mesh)) return body;
+  const auto prepared = std::make_shared<Target>(*target);
+  prepare_coats(law, body.has_box_uv, prepared->mesh);
+  body.prepared = prepared;
   return body;
 }
 

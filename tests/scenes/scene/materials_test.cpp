@@ -219,6 +219,52 @@ std::shared_ptr<const Target> coloured_cube() {
   return cube;
 }
 
+// A cube whose parts lie at the middle of a palette's second texel, but the last, which has two.
+std::shared_ptr<const Target> palette_cube() {
+  auto cube = std::make_shared<Target>(*load_target("cube"));
+  Mesh& mesh = cube->mesh;
+  const int last = static_cast<int>(mesh.parts.size()) - 1;
+  mesh.coats.resize(mesh.triangles.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    mesh.coats[t].uv.fill({0.375F, 1.0F});
+    if (mesh.triangles[t].part == last && t % 2 == 0) mesh.coats[t].uv.fill({0.875F, 0.5F});
+  }
+  mesh.textures.push_back(std::make_shared<Texture>(
+      Texture{"palette", 2, 1, true, {10, 20, 30, 255, 40, 50, 60, 255}}));
+  for (Part& part : mesh.parts) {
+    Material& material = part.material.emplace();
+    for (TextureRef* ref : material.textures()) {
+      ref->texture = 0;
+      ref->texture_from_uv = {2, 0, 1, 0, 1, 0};
+    }
+    material.emissive = {1, 1, 1};
+  }
+  return cube;
+}
+
+TEST(Materials, OtherTexturesOfAPaletteStayAtItsPoint) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("a.png", picture_of({9, 9, 9}));
+  const TomlTable table = TomlTable::read_text(kCubeScene + textures_in(file), "a.toml");
+  const Scene scene = draw_scene(read_scene_law(table, palette_cube(), {}), 0, 7, 0).scene;
+  const Mesh& mesh = scene.target->mesh;
+  const Material& material = *mesh.parts.front().material;
+  EXPECT_EQ(material.base_texture.texture, static_cast<int>(mesh.textures.size()) - 1);
+  EXPECT_FALSE(material.normal_texture.is_there());
+  for (const TextureRef& ref :
+       {material.emissive_texture, material.gloss_texture, material.occlusion_texture}) {
+    ASSERT_TRUE(ref.is_there());
+    const Texture& texel = *mesh.textures[static_cast<size_t>(ref.texture)];
+    EXPECT_EQ(texel.width * texel.height, 1);
+    EXPECT_TRUE(texel.is_srgb);
+    EXPECT_THAT(texel.rgba, ElementsAre(40, 50, 60, 255));
+  }
+  const Material& of_two = *mesh.parts.back().material;
+  EXPECT_FALSE(of_two.emissive_texture.is_there());
+  EXPECT_FALSE(of_two.gloss_texture.is_there());
+  EXPECT_THAT(of_two.emissive, ElementsAre(0, 0, 0));
+}
+
 TEST(Materials, ReplaceTheColoursOfVerticesButNotWhatIsSeeThrough) {
   const auto cube = coloured_cube();
   const TomlTable table = TomlTable::read_text(kCubeScene + "[material]\nvalue = 0.5", "a.toml");
