@@ -188,6 +188,7 @@ void wear(Part& part, const DrawnMaterial& drawn, const TextureRef& texture) {
   Material material = own_material(part);
   paint(part, drawn, texture, material);
   if (drawn.roughness || drawn.metallic) {
+    material.is_unlit = false;
     material.has_gloss = true;
     material.roughness = drawn.roughness.value_or(material.roughness);
     material.metallic = drawn.metallic.value_or(material.metallic);
@@ -202,7 +203,7 @@ void wear(Part& part, const DrawnMaterial& drawn, const TextureRef& texture) {
 
 void require_colour(const TomlTable& table, const ColouringLaw& colouring) {
   if (colouring.mode != ColourMode::kGrey) return;
-  for (const char* key : {"roughness", "metallic", "emission"}) {
+  for (const char* key : {"roughness", "metallic"}) {
     if (!table.has(key)) continue;
     table.fail(key, "needs image.colour = \"rgb\" or \"bayer\": in grey all surfaces are dull");
   }
@@ -311,7 +312,7 @@ std::vector<Key> keys_of(MaterialLaw& law) {
        &law.emission,
        {0, kLargestEmission},
        "",
-       "white light that they send, 1 is white; for pictures in colour",
+       "white light that they send, 1 is white",
        {},
        "emission",
        false,

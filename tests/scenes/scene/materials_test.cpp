@@ -242,6 +242,20 @@ std::shared_ptr<const Target> palette_cube() {
   return cube;
 }
 
+TEST(Materials, AreLitWhereTheirRoughnessIsDrawn) {
+  auto cube = std::make_shared<Target>(*load_target("cube"));
+  cube->mesh.parts[0].material.emplace().is_unlit = true;
+  const auto is_unlit_with = [&](const std::string& keys) {
+    const TomlTable table =
+        TomlTable::read_text(kCubeScene + kInColour + "[material]\n" + keys, "a.toml");
+    const Scene scene = draw_scene(read_scene_law(table, cube, {}), 0, 7, 0).scene;
+    return scene.target->mesh.parts[0].material->is_unlit;
+  };
+  EXPECT_TRUE(is_unlit_with("value = 0.5"));
+  EXPECT_FALSE(is_unlit_with("roughness = 0.5"));
+  EXPECT_FALSE(is_unlit_with("metallic = 0.5"));
+}
+
 TEST(Materials, OtherTexturesOfAPaletteStayAtItsPoint) {
   const TemporaryFolder folder;
   const auto file = folder.write("a.png", picture_of({9, 9, 9}));
@@ -284,6 +298,8 @@ TEST(Materials, ReplaceTheColoursOfVerticesButNotWhatIsSeeThrough) {
 TEST(Materials, MistakesGetOneClearLine) {
   const TemporaryFolder folder;
   EXPECT_THAT(law_error("[material]\nroughness = 0.5"), HasSubstr("image.colour"));
+  EXPECT_THAT(law_error("[material]\nmetallic = 0.5"), HasSubstr("image.colour"));
+  EXPECT_THAT(law_error("[material]\nemission = 0.5"), "");
   EXPECT_THAT(law_error(kInColour + "[material]\nroughness = [0.1, 1.5]"),
               HasSubstr("material.roughness"));
   EXPECT_THAT(law_error("[material]\nvalue = 2"), HasSubstr("0 to 1"));
