@@ -43,11 +43,12 @@ TEST(SensorKeys, EveryNumberOfASensorIsAFact) {
 }
 
 TEST(SensorKeys, WhatASensorAlsoDoesIsAFactWhereItDoes) {
-  const Sensor sensor = draw_scene(law_of("[image]\ncolour = \"rgb\"\nvignetting = 0.25\njpeg_quality = 80\n"
-                                          "white_balance = [2.0, 1.0, 1.5]\n"
-                                          "response = [1, 0.5, 0, 0, 1, 0, 0, 0, 2]"),
-                                   0, 7, 0)
-                            .scene.sensor;
+  const Sensor sensor =
+      draw_scene(law_of("[image]\ncolour = \"rgb\"\nvignetting = 0.25\njpeg_quality = 80\n"
+                        "white_balance = [2.0, 1.0, 1.5]\n"
+                        "response = [1, 0.5, 0, 0, 1, 0, 0, 0, 2]"),
+                 0, 7, 0)
+          .scene.sensor;
   std::map<std::string, FactValue> facts;
   for (const Fact& fact : facts_of(sensor)) facts[fact.name] = fact.value;
   EXPECT_EQ(facts.size(), 14u);
