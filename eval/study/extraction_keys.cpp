@@ -147,8 +147,9 @@ std::vector<Key> extraction_keys(ImageSetup& setup, double& bias_mesh_fraction) 
        {},
        "",
        "whether model_edges and edges_else_contour first match the lines along all edges with one "
-       "pose: of targets with textures or vertex colours, whose print looks like edges, always, or "
-       "never"},
+       "pose: of targets with textures (material.textures too) or vertex colours, whose print "
+       "looks "
+       "like edges, always, or never"},
       {"extraction",
        "passes",
        &setup.passes,

@@ -61,6 +61,11 @@ void read_extraction(const TomlTable& file, bool is_noise_known, ImageSetup& set
   read_key(file.table("extraction").table("lines"),
            find_key(extraction_keys(setup, mesh_fraction), "canny_low"));
   read_keys(file, extraction_keys(setup, mesh_fraction));
+  JointEdges& joint_edges = setup.extractor_options.joint_edges;
+  // What the scene draws on a target looks like edges as its own print does.
+  if (joint_edges == JointEdges::kTextured && !setup.scene.materials.textures.empty()) {
+    joint_edges = JointEdges::kOn;
+  }
   const bool is_drawn_grey = is_noise_known && setup.scene.colouring.mode == ColourMode::kGrey;
   if (is_drawn_grey && setup.channel == ExtractedChannel::kContrast) {
     file.table("extraction")

@@ -14,6 +14,7 @@
 
 #include "scenes/mesh/mesh_soup.h"
 #include "scenes/picture/picture_file.h"
+#include "scenes/scene/box_uv.h"
 
 namespace sightline {
 namespace {
@@ -60,61 +61,39 @@ std::array<double, 3> linear_of_hsv(double hue_deg, double saturation, double va
   return rgb;
 }
 
-double uv_area(const Coat& coat) {
-  const Eigen::Vector2f a = coat.uv[1] - coat.uv[0], b = coat.uv[2] - coat.uv[0];
-  return std::abs(a.x() * b.y() - a.y() * b.x());
-}
-
-// Parts that no texture can lie on by the coordinates that the file has.
-std::vector<bool> parts_without_uv(const Mesh& mesh) {
-  std::vector<bool> is_without(mesh.parts.size(), true);
-  for (size_t t = 0; t < mesh.coats.size(); ++t) {
-    if (uv_area(mesh.coats[t]) > 0) is_without[static_cast<size_t>(mesh.triangles[t].part)] = false;
-  }
-  return is_without;
-}
-
-// Metres along the two axes across the one that the triangle faces. From outside, u grows to the
-// right where v grows downwards, so that no picture is mirrored.
-void set_box_uv(const Mesh& mesh, const Triangle& triangle, Coat& coat) {
-  const Eigen::Vector3d normal = face_normal(mesh, triangle);
-  Eigen::Index axis = 0;
-  normal.cwiseAbs().maxCoeff(&axis);
-  const double sign = normal[axis] < 0 ? 1 : -1;
-  for (size_t corner = 0; corner < 3; ++corner) {
-    const Eigen::Vector3d& at = mesh.vertices[static_cast<size_t>(triangle.vertex[corner])];
-    coat.uv[corner] = Eigen::Vector2d(sign * at[(axis + 1) % 3], at[(axis + 2) % 3]).cast<float>();
-  }
-}
-
 // The shape of a see-through part lies in its texture.
 bool keeps_paint(const Part& part) {
   return part.material && part.material->alpha_mode != AlphaMode::kOpaque &&
          part.material->base_texture.is_there();
 }
 
+bool changes_coats(const MaterialLaw& law, const Mesh& mesh) {
+  return !law.textures.empty() || (law.has_colour && !mesh.coats.empty());
+}
+
 // Without the colours of vertices where materials have colours of their own; their alpha stays.
-void prepare_coats(const MaterialLaw& law, Mesh& mesh, const std::vector<bool>& has_box_uv) {
-  const bool has_textures = !law.textures.empty();
-  if (!law.has_colour && !has_textures) return;
-  if (mesh.coats.empty() && !has_textures) return;
+void prepare_coats(const MaterialLaw& law, const std::vector<bool>& has_box_uv, Mesh& mesh) {
   mesh.coats.resize(mesh.triangles.size());
   for (size_t t = 0; t < mesh.coats.size(); ++t) {
-    const auto part = static_cast<size_t>(mesh.triangles[t].part);
-    if (keeps_paint(mesh.parts[part])) continue;
+    if (keeps_paint(mesh.parts[static_cast<size_t>(mesh.triangles[t].part)])) continue;
     for (Eigen::Vector4f& colour : mesh.coats[t].colour) colour.head<3>().setOnes();
-    if (has_textures && has_box_uv[part]) set_box_uv(mesh, mesh.triangles[t], mesh.coats[t]);
   }
+  if (!law.textures.empty()) lay_box_uv(has_box_uv, mesh);
 }
 
 DressedBody prepared_body(const MaterialLaw& law, const std::shared_ptr<const Target>& target) {
-  DressedBody body{.target = target, .prepared = nullptr, .has_box_uv = {}, .side_m = 0};
-  auto prepared = std::make_shared<Target>(*target);
-  body.has_box_uv = parts_without_uv(prepared->mesh);
-  prepare_coats(law, prepared->mesh, body.has_box_uv);
-  const Bounds box = bounds(prepared->mesh);
+  const Mesh& mesh = target->mesh;
+  DressedBody body{.target = target, .prepared = target, .has_box_uv = {}, .side_m = 0};
+  const Bounds box = bounds(mesh);
   body.side_m = (box.max_m - box.min_m).maxCoeff();
-  body.prepared = std::move(prepared);
+  body.has_box_uv = parts_without_uv(mesh);
+  for (size_t i = 0; i < mesh.parts.size(); ++i) {
+    if (keeps_paint(mesh.parts[i])) body.has_box_uv[i] = false;
+  }
+  if (!changes_coats(law, mesh)) return body;
+  const auto prepared = std::make_shared<Target>(*target);
+  prepare_coats(law, body.has_box_uv, prepared->mesh);
+  body.prepared = prepared;
   return body;
 }
 
@@ -209,6 +188,7 @@ void wear(Part& part, const DrawnMaterial& drawn, const TextureRef& texture) {
   Material material = own_material(part);
   paint(part, drawn, texture, material);
   if (drawn.roughness || drawn.metallic) {
+    material.is_unlit = false;
     material.has_gloss = true;
     material.roughness = drawn.roughness.value_or(material.roughness);
     material.metallic = drawn.metallic.value_or(material.metallic);
@@ -223,7 +203,7 @@ void wear(Part& part, const DrawnMaterial& drawn, const TextureRef& texture) {
 
 void require_colour(const TomlTable& table, const ColouringLaw& colouring) {
   if (colouring.mode != ColourMode::kGrey) return;
-  for (const char* key : {"roughness", "metallic", "emission"}) {
+  for (const char* key : {"roughness", "metallic"}) {
     if (!table.has(key)) continue;
     table.fail(key, "needs image.colour = \"rgb\" or \"bayer\": in grey all surfaces are dull");
   }
@@ -250,6 +230,16 @@ FileDraw pictures_to_draw(const TomlTable& table, const std::string& given) {
 // Textures of files: while few are drawn, a renderer meets the same ones again.
 class FileTextures {
  public:
+  // One for all laws while any of them lives, so that a sweep's cells have the same textures.
+  static std::shared_ptr<FileTextures> shared() {
+    static std::mutex mutex;
+    static std::weak_ptr<FileTextures> current;
+    const std::lock_guard<std::mutex> lock(mutex);
+    auto textures = current.lock();
+    if (!textures) current = textures = std::make_shared<FileTextures>();
+    return textures;
+  }
+
   std::shared_ptr<const Texture> get(const FileDraw& files, const fs::path& file) {
     const std::lock_guard<std::mutex> lock(mutex_);
     const auto known = textures_.find(file);
@@ -322,7 +312,7 @@ std::vector<Key> keys_of(MaterialLaw& law) {
        &law.emission,
        {0, kLargestEmission},
        "",
-       "white light that they send, 1 is white; for pictures in colour",
+       "white light that they send, 1 is white",
        {},
        "emission",
        false,
@@ -383,7 +373,7 @@ MaterialLaw read_materials(const TomlTable& file, const ColouringLaw& colouring,
     if (!colouring.draws_textures) table.fail("textures", "needs image.textures = true");
     law.files = pictures_to_draw(table, law.textures);
   }
-  law.shelf = std::make_shared<FileTextures>();
+  law.shelf = FileTextures::shared();
   law.bodies.push_back(prepared_body(law, target));
   if (!law.is_of_all) return law;
   for (const OtherLaw& other : others) {

@@ -34,11 +34,10 @@ struct DrawnMaterial {
 
 /// A body that materials are drawn for.
 struct DressedBody {
-  std::shared_ptr<const Target> target;  ///< as it is seen without
-  std::shared_ptr<const Target>
-      prepared;                  ///< with texture coordinates for all parts that need them
-  std::vector<bool> has_box_uv;  ///< by part: these are of a box, in metres
-  double side_m = 0;             ///< the longest of its mesh's box
+  std::shared_ptr<const Target> target;    ///< as it is seen without
+  std::shared_ptr<const Target> prepared;  ///< with texture coordinates where parts need them
+  std::vector<bool> has_box_uv;            ///< by part: these are of a box, in metres
+  double side_m = 0;                       ///< the longest of its mesh's box
 };
 
 class FileTextures;

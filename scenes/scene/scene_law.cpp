@@ -65,6 +65,9 @@ SceneLaw read_scene_law(const TomlTable& table, std::shared_ptr<const Target> ta
   law.samples_per_pixel = read_samples_per_pixel(table);
   law.sensor = read_sensor(table);
   law.colouring = read_colouring(table);
+  if (law.colouring.mode == ColourMode::kGrey && table.table("image").has("response")) {
+    table.table("image").fail("response", "needs image.colour = \"rgb\" or \"bayer\"");
+  }
   require_textures(table, law.colouring, law.target->name, law.target->mesh);
   law.light = read_light(table);
   law.lamps = read_lamps(table);

@@ -167,6 +167,24 @@ TEST(Materials, WithoutAWidthOnePictureReachesOverTheBody) {
   EXPECT_EQ(scene.materials.front().texture, file.string());
 }
 
+// The cells of a sweep are as many laws: a picture is in memory once, and goes with the last.
+TEST(Materials, LawsOfOnePictureHaveOneTexture) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("a.png", picture_of({9, 9, 9}));
+  std::weak_ptr<const Texture> texture;
+  {
+    const SceneLaw one = law_of(textures_in(file));
+    const SceneLaw other = law_of(textures_in(file, "texture_m = 0.5\n"));
+    const auto worn = [](const SceneLaw& law) {
+      return draw_scene(law, 0, 7, 0).scene.target->mesh.textures.back();
+    };
+    EXPECT_EQ(worn(one), worn(other));
+    texture = worn(one);
+    EXPECT_FALSE(texture.expired());
+  }
+  EXPECT_TRUE(texture.expired());
+}
+
 TEST(Materials, TextureCoordinatesOfTheFileAreKept) {
   const TemporaryFolder folder;
   const auto file = folder.write("a.png", picture_of({9, 9, 9}));
@@ -201,6 +219,66 @@ std::shared_ptr<const Target> coloured_cube() {
   return cube;
 }
 
+// A cube whose parts lie at the middle of a palette's second texel, but the last, which has two.
+std::shared_ptr<const Target> palette_cube() {
+  auto cube = std::make_shared<Target>(*load_target("cube"));
+  Mesh& mesh = cube->mesh;
+  const int last = static_cast<int>(mesh.parts.size()) - 1;
+  mesh.coats.resize(mesh.triangles.size());
+  for (size_t t = 0; t < mesh.triangles.size(); ++t) {
+    mesh.coats[t].uv.fill({0.375F, 1.0F});
+    if (mesh.triangles[t].part == last && t % 2 == 0) mesh.coats[t].uv.fill({0.875F, 0.5F});
+  }
+  mesh.textures.push_back(std::make_shared<Texture>(
+      Texture{"palette", 2, 1, true, {10, 20, 30, 255, 40, 50, 60, 255}}));
+  for (Part& part : mesh.parts) {
+    Material& material = part.material.emplace();
+    for (TextureRef* ref : material.textures()) {
+      ref->texture = 0;
+      ref->texture_from_uv = {2, 0, 1, 0, 1, 0};
+    }
+    material.emissive = {1, 1, 1};
+  }
+  return cube;
+}
+
+TEST(Materials, AreLitWhereTheirRoughnessIsDrawn) {
+  auto cube = std::make_shared<Target>(*load_target("cube"));
+  cube->mesh.parts[0].material.emplace().is_unlit = true;
+  const auto is_unlit_with = [&](const std::string& keys) {
+    const TomlTable table =
+        TomlTable::read_text(kCubeScene + kInColour + "[material]\n" + keys, "a.toml");
+    const Scene scene = draw_scene(read_scene_law(table, cube, {}), 0, 7, 0).scene;
+    return scene.target->mesh.parts[0].material->is_unlit;
+  };
+  EXPECT_TRUE(is_unlit_with("value = 0.5"));
+  EXPECT_FALSE(is_unlit_with("roughness = 0.5"));
+  EXPECT_FALSE(is_unlit_with("metallic = 0.5"));
+}
+
+TEST(Materials, OtherTexturesOfAPaletteStayAtItsPoint) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("a.png", picture_of({9, 9, 9}));
+  const TomlTable table = TomlTable::read_text(kCubeScene + textures_in(file), "a.toml");
+  const Scene scene = draw_scene(read_scene_law(table, palette_cube(), {}), 0, 7, 0).scene;
+  const Mesh& mesh = scene.target->mesh;
+  const Material& material = *mesh.parts.front().material;
+  EXPECT_EQ(material.base_texture.texture, static_cast<int>(mesh.textures.size()) - 1);
+  EXPECT_FALSE(material.normal_texture.is_there());
+  for (const TextureRef& ref :
+       {material.emissive_texture, material.gloss_texture, material.occlusion_texture}) {
+    ASSERT_TRUE(ref.is_there());
+    const Texture& texel = *mesh.textures[static_cast<size_t>(ref.texture)];
+    EXPECT_EQ(texel.width * texel.height, 1);
+    EXPECT_TRUE(texel.is_srgb);
+    EXPECT_THAT(texel.rgba, ElementsAre(40, 50, 60, 255));
+  }
+  const Material& of_two = *mesh.parts.back().material;
+  EXPECT_FALSE(of_two.emissive_texture.is_there());
+  EXPECT_FALSE(of_two.gloss_texture.is_there());
+  EXPECT_THAT(of_two.emissive, ElementsAre(0, 0, 0));
+}
+
 TEST(Materials, ReplaceTheColoursOfVerticesButNotWhatIsSeeThrough) {
   const auto cube = coloured_cube();
   const TomlTable table = TomlTable::read_text(kCubeScene + "[material]\nvalue = 0.5", "a.toml");
@@ -220,6 +298,8 @@ TEST(Materials, ReplaceTheColoursOfVerticesButNotWhatIsSeeThrough) {
 TEST(Materials, MistakesGetOneClearLine) {
   const TemporaryFolder folder;
   EXPECT_THAT(law_error("[material]\nroughness = 0.5"), HasSubstr("image.colour"));
+  EXPECT_THAT(law_error("[material]\nmetallic = 0.5"), HasSubstr("image.colour"));
+  EXPECT_THAT(law_error("[material]\nemission = 0.5"), "");
   EXPECT_THAT(law_error(kInColour + "[material]\nroughness = [0.1, 1.5]"),
               HasSubstr("material.roughness"));
   EXPECT_THAT(law_error("[material]\nvalue = 2"), HasSubstr("0 to 1"));

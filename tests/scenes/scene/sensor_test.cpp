@@ -43,11 +43,12 @@ TEST(SensorKeys, EveryNumberOfASensorIsAFact) {
 }
 
 TEST(SensorKeys, WhatASensorAlsoDoesIsAFactWhereItDoes) {
-  const Sensor sensor = draw_scene(law_of("[image]\nvignetting = 0.25\njpeg_quality = 80\n"
-                                          "white_balance = [2.0, 1.0, 1.5]\n"
-                                          "response = [1, 0.5, 0, 0, 1, 0, 0, 0, 2]"),
-                                   0, 7, 0)
-                            .scene.sensor;
+  const Sensor sensor =
+      draw_scene(law_of("[image]\ncolour = \"rgb\"\nvignetting = 0.25\njpeg_quality = 80\n"
+                        "white_balance = [2.0, 1.0, 1.5]\n"
+                        "response = [1, 0.5, 0, 0, 1, 0, 0, 0, 2]"),
+                 0, 7, 0)
+          .scene.sensor;
   std::map<std::string, FactValue> facts;
   for (const Fact& fact : facts_of(sensor)) facts[fact.name] = fact.value;
   EXPECT_EQ(facts.size(), 14u);
@@ -64,6 +65,8 @@ TEST(SensorKeys, MistakesGetOneClearLine) {
   EXPECT_THAT(law_error("[image]\nresponse = [1, 0, 0, 0, 9, 0, 0, 0, 1]"),
               HasSubstr("is [1, 0, 0, 0, 9, 0, 0, 0, 1], must be 9 numbers from -8 to 8"));
   EXPECT_THAT(law_error("[image]\nresponse = [1, 0, 0]"), HasSubstr("image.response"));
+  EXPECT_THAT(law_error("[image]\nresponse = [1, 0, 0, 0, 1, 0, 0, 0, 1]"),
+              HasSubstr("needs image.colour"));
   EXPECT_THAT(law_error("[light]\ncolour = [2, 1, 1]"),
               HasSubstr("is [2, 1, 1], must be three numbers from 0 to 1"));
   EXPECT_THAT(law_error("[[lamp]]\ncolour = [0, -1, 1]"),
