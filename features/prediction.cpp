@@ -30,7 +30,7 @@ double seen_length_px(const Target& target, const Edge& edge, const Camera& came
   const Eigen::Vector3d eye_in_target = inverse(cam_from_target).translation;
   for (const double t : {0.15, 0.4}) {
     const Eigen::Vector3d point = edge.begin_m + t * (edge.end_m - edge.begin_m);
-    if (target.occluder.hides(point, eye_in_target, clearance_m)) return 0;
+    if (target.occluder.hides_own(point, eye_in_target, clearance_m)) return 0;
   }
   const auto begin = project(camera, cam_from_target * edge.begin_m);
   const auto end = project(camera, cam_from_target * edge.end_m);

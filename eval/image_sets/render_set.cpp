@@ -94,6 +94,12 @@ bool is_beginning(const std::string& there, const SetPlan& plan) {
   return manifest_of(shorter) == there;
 }
 
+// A set that lacks something has no list of its images, which would say that it is whole.
+void remove_list(const SetPlan& plan, const fs::path& folder) {
+  std::error_code none;
+  fs::remove(folder / plan.format->list_path, none);
+}
+
 // The folder is this set's from here on, or was. A set that ended earlier is continued: until all
 // images are there it has no list of them, as if it had just been begun.
 void claim(const SetPlan& plan, const fs::path& folder, bool is_resumed) {
@@ -116,8 +122,7 @@ void claim(const SetPlan& plan, const fs::path& folder, bool is_resumed) {
                                  folder.string(), plan.study.name));
   }
   if (!is_longer) return;
-  std::error_code error;  // that of the manifest will say it
-  fs::remove(folder / plan.format->list_path, error);
+  remove_list(plan, folder);
   write_file(manifest, manifest_of(plan));
 }
 
@@ -146,21 +151,30 @@ std::vector<bool> done_in(const SetPlan& plan, const fs::path& folder, const Sha
   return done;
 }
 
-// Images of a shard of which a file is gone lose their truth: without it they are made again.
-void forget_broken(const SetPlan& plan, const fs::path& folder, const Shard& shard) {
-  std::error_code none;
+// The images of a shard that are there, but for a file that is gone.
+std::set<int64_t> broken_in(const SetPlan& plan, const fs::path& folder, const Shard& shard) {
+  std::set<int64_t> broken;
   for (int64_t index = shard.index; index < plan.count; index += shard.count) {
     stop_if_interrupted();
-    if (!is_done(plan, folder, index) || has_all_files(folder, plan, index)) continue;
-    fs::remove(folder / truth_path(plan, index), none);
+    if (is_done(plan, folder, index) && !has_all_files(folder, plan, index)) broken.insert(index);
   }
+  return broken;
 }
 
-// What the images of a shard that are not done draw of folders is read before any is begun.
-void check_drawn_files(const SetPlan& plan, const fs::path& folder, const Shard& shard) {
+// Broken images lose their truth: without it they are made again.
+void forget(const std::set<int64_t>& broken, const SetPlan& plan, const fs::path& folder) {
+  if (broken.empty()) return;
+  remove_list(plan, folder);
+  std::error_code none;
+  for (const int64_t index : broken) fs::remove(folder / truth_path(plan, index), none);
+}
+
+// What the images of a shard that are to be made draw of folders is read before any is begun.
+void check_drawn_files(const SetPlan& plan, const fs::path& folder, const Shard& shard,
+                       const std::set<int64_t>& broken) {
   CheckedFiles checked;
   for (int64_t index = shard.index; index < plan.count; index += shard.count) {
-    if (is_done(plan, folder, index)) continue;
+    if (is_done(plan, folder, index) && !broken.contains(index)) continue;
     stop_if_interrupted();
     const ImageStudy& images = plan.images();
     check_drawn_files(images.setup_of(plan.study.condition_of(index)).scene, plan.study.seed,
@@ -168,9 +182,12 @@ void check_drawn_files(const SetPlan& plan, const fs::path& folder, const Shard&
   }
 }
 
-bool is_all_done(const SetPlan& plan, const fs::path& folder) {
+// A shard that is resumed has looked for its own images' files, and asks for those of the others.
+bool is_all_done(const SetPlan& plan, const fs::path& folder, bool asks_for_files) {
   for (int64_t index = 0; index < plan.count; ++index) {
+    stop_if_interrupted();
     if (!is_done(plan, folder, index)) return false;
+    if (asks_for_files && !has_all_files(folder, plan, index)) return false;
   }
   return true;
 }
@@ -206,8 +223,7 @@ void render_share(const SetPlan& plan, const fs::path& folder, const Shard& shar
   for (int64_t index = shard.index; index < plan.count; index += shard.count) {
     if (is_done(plan, folder, index)) continue;
     stop_if_interrupted();
-    const SetImage image = render_image(plan, index, renderer);
-    writer.write(image);
+    writer.write(render_image(plan, index, renderer));
     tick();
   }
 }
@@ -220,15 +236,17 @@ SetResult render_set(const SetPlan& plan, const SetOptions& options) {
       why_no_memory(camera.width_px, camera.height_px, options.jobs, free_memory_bytes());
   if (!why_not.empty()) throw InputError(fmt::format("camera.width_px: {}", why_not));
   const fs::path& folder = options.out;
-  check_drawn_files(plan, folder, options.shard);
+  std::set<int64_t> broken;
+  if (options.is_resumed) broken = broken_in(plan, folder, options.shard);
+  check_drawn_files(plan, folder, options.shard, broken);
   make_folder(folder);
   refuse_foreign(folder);
   const SetLock lock(folder, options.shard);
   {
     const SetLock::Alone alone(lock);
     claim(plan, folder, options.is_resumed);
+    forget(broken, plan, folder);
   }
-  if (options.is_resumed) forget_broken(plan, folder, options.shard);
   const std::vector<bool> done = done_in(plan, folder, options.shard);
   SetResult result;
   result.images = static_cast<int64_t>(done.size());
@@ -250,7 +268,8 @@ SetResult render_set(const SetPlan& plan, const SetOptions& options) {
     }
     const SetLock::Alone alone(lock);
     require_unchanged(plan, folder);
-    result.is_complete = is_all_done(plan, folder);
+    result.is_complete = is_all_done(plan, folder, options.is_resumed && options.shard.count > 1);
+    if (!result.is_complete) remove_list(plan, folder);
     if (result.is_complete) result.failed = join_set(plan, folder, options.jobs);
   } catch (const Interrupted&) {
     throw Interrupted("interrupted; finished images are kept for --resume");

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "eval/run/trial_runner.h"
 
-#include <utility>
-
 #include "eval/trial/image_trial.h"
 #include "eval/trial/numeric_trial.h"
 #include "eval/trial/orientation_trial.h"
@@ -16,8 +14,7 @@ TrialRunner::TrialRunner(const Study& study, const RendererOptions& renderer) : 
 
 TrialRecord TrialRunner::run(int64_t index, uint64_t seed) {
   if (const ImageStudy* images = study_.images()) {
-    Trial trial = run_image_trial(*images, seed, index, *renderer_, files_);
-    return std::move(trial.record);
+    return run_image_trial(*images, seed, index, *renderer_, files_).record;
   }
   if (const NumericStudy* numeric = study_.numeric()) {
     return run_numeric_trial(*numeric, seed, index);

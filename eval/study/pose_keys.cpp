@@ -96,12 +96,12 @@ Solving read_solving(const TomlTable& table, const std::string& default_start,
 std::shared_ptr<const Target> read_target(const TomlTable& table) {
   const std::string name = table.text("target");
   const TomlTable mesh = table.table("mesh");
-  const std::vector<std::string> none;
+  const std::vector<std::string> none, backfaces = {"material", "seen"};
   const MeshUse use{.forward = mesh.text("forward", ""),
                     .up = mesh.text("up", ""),
                     .unit = mesh.text("unit", ""),
                     .hidden = mesh.texts("hide", none),
-                    .backfaces = mesh.text("backfaces", "")};
+                    .backfaces = mesh.has("backfaces") ? mesh.choice("backfaces", backfaces) : ""};
   try {
     return load_target(name, use);
   } catch (const InputError& error) {

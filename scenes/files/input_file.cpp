@@ -157,6 +157,15 @@ std::optional<std::string> bytes_of_file(const std::filesystem::path& file, uint
   return bytes;
 }
 
+std::string head_of_file(const std::filesystem::path& file, size_t most_bytes) {
+  const std::unique_ptr<std::ifstream> stream = open_regular_file(file);
+  if (!stream) return {};
+  std::string head(most_bytes, '\0');
+  stream->read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<size_t>(stream->gcount()));
+  return head;
+}
+
 bool read_bounded_line(std::istream& stream, std::string& line) {
   pause_at_times();
   line.clear();

@@ -40,6 +40,10 @@ std::string read_input_file(const std::filesystem::path& file, uintmax_t most_by
 /// None where it is missing, no regular file, larger than that, or cannot be read.
 std::optional<std::string> bytes_of_file(const std::filesystem::path& file, uintmax_t most_bytes);
 
+/// Its first bytes, at most that many; empty where it is missing, no regular file, or cannot be
+/// read.
+std::string head_of_file(const std::filesystem::path& file, size_t most_bytes);
+
 inline constexpr size_t kLongestLine = size_t{1} << 20;  ///< bytes
 
 /// As std::getline, but a line ends with CR and with CR LF as well, and no more of it is read than

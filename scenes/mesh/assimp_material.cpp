@@ -120,12 +120,16 @@ void AssimpMaterials::add_textures(const Pictures& pictures, Material& to) {
     to.emissive_texture.texture = texture_index(pictures.emission.file, true);
   }
   if (pictures.alpha.file.empty()) return;
-  const int alpha = pictures.alpha.file == pictures.colour.file
-                        ? to.base_texture.texture
-                        : texture_index(pictures.alpha.file, false);
-  if (alpha < 0) return;
   const bool has_colour = to.base_texture.is_there();
-  const auto [texture, mode] = shelf_.with_alpha(to.base_texture.texture, alpha);
+  const std::pair made_of(to.base_texture.texture, pictures.alpha.file);
+  if (!cut_.contains(made_of)) {
+    const int alpha = pictures.alpha.file == pictures.colour.file
+                          ? to.base_texture.texture
+                          : texture_index(pictures.alpha.file, false);
+    if (alpha < 0) return;
+    cut_[made_of] = shelf_.with_alpha(to.base_texture.texture, alpha);
+  }
+  const auto [texture, mode] = cut_.at(made_of);
   if (!has_colour) to.base_texture = pictures.alpha.ref;
   if (to.base_texture.texture_from_uv != pictures.alpha.ref.texture_from_uv) {
     moved_.insert(pictures.alpha.file);

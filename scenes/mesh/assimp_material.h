@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scenes/mesh/mesh.h"
@@ -54,6 +55,8 @@ class AssimpMaterials {
   TextureShelf& shelf_;
   // All materials are wholly clear, as exporters write it that take 0 for opaque.
   bool is_clear_for_opaque_ = false;
+  // By colours and the file of the opacity: no picture is read twice for what is there already.
+  std::map<std::pair<int, std::string>, std::pair<int, AlphaMode>> cut_;
   std::set<std::string> without_coordinates_;  // parts with pictures
   std::set<std::string> moved_;                // pictures of opacity that lie as the colour does
 };

@@ -46,10 +46,10 @@ struct Occluder::Tree {
     return tree;
   }
 
-  // Whether a triangle that a segment from the eye meets is there for it.
-  bool blocks(Triangles::const_iterator met, const Kernel::Segment_3& from_eye) const {
-    if (!is_one_sided[static_cast<size_t>(met - triangles.begin())]) return true;
-    return !met->supporting_plane().has_on_negative_side(from_eye.source());
+  // Whether a triangle is there for an eye; asked where some have one side.
+  bool is_there(Triangles::const_iterator triangle, const Kernel::Point_3& eye) const {
+    if (!is_one_sided[static_cast<size_t>(triangle - triangles.begin())]) return true;
+    return !triangle->supporting_plane().has_on_negative_side(eye);
   }
 
   void build() {
@@ -90,8 +90,30 @@ bool Occluder::hides(const Eigen::Vector3d& point_m, const Eigen::Vector3d& eye_
   if (tree_->is_one_sided.empty()) return true;
   std::vector<CgalTree::Primitive_id> met;
   tree.all_intersected_primitives(from_eye, std::back_inserter(met));
-  return std::any_of(met.begin(), met.end(),
-                     [&](const auto& triangle) { return tree_->blocks(triangle, from_eye); });
+  return std::any_of(met.begin(), met.end(), [&](const auto& triangle) {
+    return tree_->is_there(triangle, from_eye.source());
+  });
+}
+
+bool Occluder::hides_own(const Eigen::Vector3d& point_m, const Eigen::Vector3d& eye_m,
+                         double clearance_m) const {
+  if (hides(point_m, eye_m, clearance_m)) return true;
+  if (tree_->is_one_sided.empty()) return false;
+  const CgalTree& tree = tree_->built();
+  if (tree.empty()) return false;
+  constexpr double kRounding = 1e-9;  // of the coordinates: triangles that meet at the point
+  const double rounding_m = kRounding * (point_m.cwiseAbs().maxCoeff() + distance_m(point_m));
+  const double reach_m = std::max(clearance_m, distance_m(point_m) + rounding_m);
+  const Eigen::Vector3d low = point_m.array() - reach_m;
+  const Eigen::Vector3d high = point_m.array() + reach_m;
+  std::vector<CgalTree::Primitive_id> near;
+  tree.all_intersected_primitives(
+      CGAL::Bbox_3(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()),
+      std::back_inserter(near));
+  return std::none_of(near.begin(), near.end(), [&](const auto& triangle) {
+    return CGAL::squared_distance(to_cgal(point_m), *triangle) <= reach_m * reach_m &&
+           tree_->is_there(triangle, to_cgal(eye_m));
+  });
 }
 
 double Occluder::distance_m(const Eigen::Vector3d& point_m) const {

@@ -22,6 +22,12 @@ class Occluder {
   bool hides(const Eigen::Vector3d& point_m, const Eigen::Vector3d& eye_m,
              double clearance_m) const;
 
+  /// True when a point of the mesh's own surface is not seen from the eye: the mesh blocks the line
+  /// to it, or is not drawn there, as all of it within `clearance_m` of the point (at least the
+  /// triangles nearest to it) has one side and is seen from behind.
+  bool hides_own(const Eigen::Vector3d& point_m, const Eigen::Vector3d& eye_m,
+                 double clearance_m) const;
+
   /// The distance from a point to the mesh's nearest triangle, metres.
   double distance_m(const Eigen::Vector3d& point_m) const;
 

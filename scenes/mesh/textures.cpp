@@ -68,6 +68,21 @@ std::vector<uint8_t> alphas_of(const Texture& picture, bool by_brightness) {
   return alphas;
 }
 
+// What a surface of these opacities needs.
+AlphaMode mode_of(const std::vector<uint8_t>& alphas) {
+  const auto is = [&](auto... values) {
+    return std::all_of(alphas.begin(), alphas.end(), [=](int a) { return ((a == values) || ...); });
+  };
+  if (is(255)) return AlphaMode::kOpaque;
+  return is(0, 255) ? AlphaMode::kMask : AlphaMode::kBlend;
+}
+
+Texture white(cv::Size size) {
+  Texture texture{.name = "", .width = size.width, .height = size.height, .rgba = {}};
+  texture.rgba.assign(4 * static_cast<size_t>(size.width) * static_cast<size_t>(size.height), 255);
+  return texture;
+}
+
 // Lays the opacity of a picture of another size on a texture: that of the nearest of its texels.
 void put_alphas(const std::vector<uint8_t>& alphas, cv::Size size, Texture& on) {
   for (int v = 0; v < on.height; ++v) {
@@ -142,25 +157,24 @@ int TextureShelf::from_bytes(std::string_view bytes, const std::string& name, bo
 
 std::pair<int, AlphaMode> TextureShelf::with_alpha(int colour, int alpha) {
   const Texture& from = soup_.textures[alpha];
-  const bool is_same = colour >= 0 && soup_.textures[colour].name == from.name;
+  const cv::Size size(from.width, from.height);
+  const std::string of_alpha = from.name;
+  const bool is_same = colour >= 0 && soup_.textures[colour].name == of_alpha;
   const std::vector<uint8_t> alphas = alphas_of(from, !is_same);
-  const auto is = [&](auto... values) {
-    return std::all_of(alphas.begin(), alphas.end(), [=](int a) { return ((a == values) || ...); });
-  };
-  if (is(255)) return {colour, AlphaMode::kOpaque};
-  const AlphaMode mode = is(0, 255) ? AlphaMode::kMask : AlphaMode::kBlend;
-  const std::string name =
-      fmt::format("{} within {}", colour >= 0 ? soup_.textures[colour].name : "white", from.name);
-  if (const auto known = known_.find({name, true}); known != known_.end()) {
-    return {known->second, mode};
+  if (alpha != colour) let_go(alpha);  // nothing but its opacity was asked for
+  const AlphaMode mode = mode_of(alphas);
+  if (is_same || mode == AlphaMode::kOpaque) return {colour, mode};
+  const Texture* const under = colour >= 0 ? &soup_.textures[colour] : nullptr;
+  const std::string name = fmt::format("{} within {}", under ? under->name : "white", of_alpha);
+  const int64_t pixels =
+      under ? int64_t{under->width} * under->height : int64_t{size.width} * size.height;
+  if (pixels > pixels_left_) {
+    lose(name, "is one too many");
+    return {colour, AlphaMode::kOpaque};
   }
-  const Texture& under = colour >= 0 ? soup_.textures[colour] : from;
-  const int64_t pixels = int64_t{under.width} * under.height;
-  if (pixels > pixels_left_) return {lose(name, "is one too many"), AlphaMode::kOpaque};
   make_room_for(pixels);
-  Texture cut = under;
-  if (colour < 0) cut.rgba.assign(cut.rgba.size(), 255);
-  put_alphas(alphas, {from.width, from.height}, cut);
+  Texture cut = under ? *under : white(size);
+  put_alphas(alphas, size, cut);
   cut.name = name;
   cut.is_srgb = true;
   return {keep(std::move(cut)), mode};
@@ -183,6 +197,15 @@ int TextureShelf::keep(Texture texture) {
   known_[{texture.name, texture.is_srgb}] = index;
   soup_.textures.push_back(std::move(texture));
   return index;
+}
+
+// The last one alone can go, else others would change their index.
+void TextureShelf::let_go(int index) {
+  if (index + 1 != static_cast<int>(soup_.textures.size())) return;
+  const Texture& last = soup_.textures.back();
+  pixels_left_ += int64_t{last.width} * last.height;
+  known_.erase({last.name, last.is_srgb});
+  soup_.textures.pop_back();
 }
 
 int TextureShelf::miss(const std::string& named) {

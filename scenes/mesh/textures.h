@@ -45,7 +45,9 @@ class TextureShelf {
   int from_bytes(std::string_view bytes, const std::string& name, bool is_srgb);
   /// The index of a texture with the colours of one, or white ones of index -1, and the opacity of
   /// another: its alpha or, where it has none and is another picture, its brightness. The mode says
-  /// what that opacity needs; kOpaque: it is everywhere 1, and the index that of the colours.
+  /// what that opacity needs. Where it is everywhere 1, where both are one picture, or where no
+  /// room is left (kOpaque, and the soup says so), the index is that of the colours. The opacity's
+  /// own picture is let go if it came last: what is asked for again is read again.
   std::pair<int, AlphaMode> with_alpha(int colour, int alpha);
   /// Says why the texture of that name cannot be had; -1.
   int lose(const std::string& name, const std::string& reason);
@@ -53,6 +55,7 @@ class TextureShelf {
  private:
   int add(const std::string& name, bool is_srgb, std::string_view bytes);
   int keep(Texture texture);
+  void let_go(int index);
   int miss(const std::string& named);
 
   MeshSoup& soup_;

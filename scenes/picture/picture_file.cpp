@@ -150,6 +150,16 @@ std::optional<cv::Size> picture_size(std::string_view bytes) {
 }
 
 std::optional<cv::Size> picture_size(const fs::path& file) {
+  constexpr size_t kHeadBytes = size_t{1} << 16;  // most pictures state their size among these
+  const std::string head = head_of_file(file, kHeadBytes);
+  const PictureFormat format = format_of(head);
+  if (format == PictureFormat::kOther) return std::nullopt;
+  // A TIFF says its size anywhere, and one that is cut would be misread. A JPEG that is cut before
+  // its size has none, or one of 0.
+  if (format != PictureFormat::kTiff) {
+    const auto size = picture_size(std::string_view(head));
+    if (size && !size->empty()) return size;
+  }
   return picture_size(std::string_view(bytes_of_picture(file).bytes));
 }
 

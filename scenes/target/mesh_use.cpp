@@ -112,8 +112,7 @@ std::string take_backfaces(const MeshUse& use, Mesh& mesh) {
   }
   if (one_sided_parts(mesh).empty()) return "";
   const std::string what =
-      "its one-sided surfaces (glTF without doubleSided) are not drawn from "
-      "behind";
+      "its one-sided surfaces (glTF without doubleSided) are not drawn from behind";
   const std::string remedy = "--backfaces seen (mesh.backfaces) draws their backs too";
   constexpr size_t kMostInspected = 1'000'000;  // triangles; more take memory and time
   if (mesh.triangles.size() > kMostInspected) return what + "; " + remedy;

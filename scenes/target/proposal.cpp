@@ -337,7 +337,7 @@ EdgeView look_at(const Edge& edge, const Occluder& occluder, const Vector3d& to_
   for (int i = 1; i <= kSamplesPerEdge; ++i) {
     const Vector3d point = edge.begin_m + shown * i / (kSamplesPerEdge + 1);
     const Vector3d eye = point + kViewDistance * size_m * to_eye;
-    if (occluder.hides(point, eye, clearance_m)) continue;
+    if (occluder.hides_own(point, eye, clearance_m)) continue;
     ++view.in_sight;
     const Vector3d behind = point - 2 * size_m * to_eye;
     const bool is_outline = !occluder.hides(behind + aside, eye + aside, 0) ||
@@ -356,7 +356,7 @@ void look_from_all_sides(Candidate& candidate, const std::vector<Vector3d>& dire
   for (size_t v = 0; v < directions.size(); ++v) {
     const Vector3d& to_eye = directions[v];
     const Vector3d eye = feature.position_m + kViewDistance * size_m * to_eye;
-    if (occluder.hides(feature.position_m, eye, feature.clearance_m)) continue;
+    if (occluder.hides_own(feature.position_m, eye, feature.clearance_m)) continue;
     std::array<EdgeView, 2> edges;
     for (int i = 0; i < 2; ++i) {
       edges[i] = look_at(feature.edges[i], occluder, to_eye, feature.clearance_m, size_m);

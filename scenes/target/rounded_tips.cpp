@@ -182,7 +182,7 @@ OutlineHold hold_of(const std::vector<OutlinePiece>& pieces, const Occluder& occ
     passed_m += piece.length_m;
     for (; next_m < passed_m; next_m += step_m) {
       const Vector3d eye = piece.middle_m + kEyeDistance * size_m * to_eye;
-      if (occluder.hides(piece.middle_m, eye, kSurfaceClearance * size_m)) continue;
+      if (occluder.hides_own(piece.middle_m, eye, kSurfaceClearance * size_m)) continue;
       ++seen;
       const Vector3d normal = piece.along.cross(to_eye);
       information += step_m * normal * normal.transpose();
@@ -211,7 +211,7 @@ void look_from_all_sides(Candidate& candidate, const FeatureShape& shape,
   for (size_t v = 0; v < directions.size(); ++v) {
     const Vector3d& to_eye = directions[v];
     const Vector3d eye = feature.position_m + kEyeDistance * size_m * to_eye;
-    if (occluder.hides(feature.position_m, eye, feature.clearance_m)) continue;
+    if (occluder.hides_own(feature.position_m, eye, feature.clearance_m)) continue;
     const std::vector<OutlinePiece> pieces = outline_pieces(shape, to_eye);
     const OutlineHold hold = hold_of(pieces, occluder, to_eye, size_m);
     if (hold.seen < kLeastSeen || hold.hold_m < kLeastHold * size_m) continue;

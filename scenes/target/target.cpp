@@ -227,7 +227,7 @@ std::string why_not_renderable(const Target& target) {
 bool is_self_hidden(const Target& target, const TargetFeature& feature,
                     const Pose& cam_from_target) {
   const Eigen::Vector3d eye_in_target = inverse(cam_from_target).translation;
-  return target.occluder.hides(feature.position_m, eye_in_target, feature.clearance_m);
+  return target.occluder.hides_own(feature.position_m, eye_in_target, feature.clearance_m);
 }
 
 std::shared_ptr<const Target> scaled(const std::shared_ptr<const Target>& target, double factor) {

@@ -38,7 +38,8 @@ struct Target {
 /// Why nothing of a target can be rendered, in words for the user; empty where it has a mesh.
 std::string why_not_renderable(const Target& target);
 
-/// True when the target's own mesh hides the feature from the camera.
+/// True when the target's own mesh hides the feature from the camera, or is not drawn where the
+/// feature lies: one-sided surfaces seen from behind.
 bool is_self_hidden(const Target& target, const TargetFeature& feature,
                     const Pose& cam_from_target);
 

@@ -34,6 +34,39 @@ TEST_F(ImageSet, MakesAgainWhatIsGone) {
   }
 }
 
+TEST_F(ImageSet, ThatLacksAPictureIsNotCalledWhole) {
+  const std::string more = "--count 4 --quiet ";
+  ASSERT_EQ(render("set", more).exit_code, 0);
+  const auto whole = tree("set");
+  const fs::path list = path("set/test_targets_bop19.json");
+  ASSERT_TRUE(fs::exists(list));
+  ASSERT_TRUE(fs::remove(path("set/test/000000/gray/000001.png")));
+  const Outcome other = render("set", more + "--resume --shard 0/2");
+  EXPECT_EQ(other.exit_code, 0) << other.output;
+  EXPECT_THAT(other.output, testing::Not(HasSubstr("complete")));
+  EXPECT_FALSE(fs::exists(list));
+  EXPECT_EQ(render("set", more + "--resume --shard 1/2").exit_code, 0);
+  EXPECT_TRUE(tree("set") == whole);
+}
+
+// What cannot be made again is known before anything of the set is taken away.
+TEST_F(ImageSet, IsNotRepairedWithATornFileOfAFolder) {
+  cv::Mat noise(64, 64, CV_8UC3);
+  cv::randu(noise, 0, 255);
+  const std::string good = png_bytes(noise);
+  fs::create_directory(path("pictures"));
+  folder_.write("pictures/a.png", good);
+  const std::string more = "--count 2 --quiet --set material.textures=" + path("pictures") + " ";
+  ASSERT_EQ(render("set", more).exit_code, 0);
+  ASSERT_TRUE(fs::remove(path("set/test/000000/gray/000001.png")));
+  const auto before = tree("set");
+  folder_.write("pictures/a.png", good.substr(0, good.size() / 2));
+  const Outcome torn = render("set", more + "--resume");
+  EXPECT_EQ(torn.exit_code, 1);
+  EXPECT_THAT(torn.output, HasSubstr("whose a.png "));
+  EXPECT_TRUE(tree("set") == before);
+}
+
 TEST_F(ImageSet, IsNotBegunWithATornFileOfAFolder) {
   cv::Mat noise(64, 64, CV_8UC3);
   cv::randu(noise, 0, 255);

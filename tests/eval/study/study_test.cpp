@@ -69,6 +69,8 @@ TEST(Study, MistakesGetOneClearLine) {
   EXPECT_THAT(study_error({"solvers=['orpee']"}), HasSubstr("did you mean 'orpe'"));
   EXPECT_THAT(study_error({"features=['nos']"}), HasSubstr("did you mean 'nose'"));
   EXPECT_THAT(study_error({"extraction.corner=shi_tomasi"}), HasSubstr("shi_tomasi_nearest"));
+  EXPECT_THAT(study_error({"mesh.backfaces=sene"}),
+              AllOf(HasSubstr("did you mean 'seen'"), Not(HasSubstr("cannot be used"))));
   EXPECT_THAT(study_error({"image.samples_per_pixel=5"}), HasSubstr("1, 4, 8, 16"));
   EXPECT_THAT(study_error({"camera.f_px=-1"}), HasSubstr("camera.f_px"));
   EXPECT_THAT(study_error({"solvers=[]"}), HasSubstr("at least one"));

@@ -106,6 +106,31 @@ TEST_F(ObjMaterial, AnOpacityPictureGoesIntoTheColoursAlpha) {
   EXPECT_EQ(material("map_Kd red.png\nmap_d red.png\n").alpha_mode, AlphaMode::kOpaque);
 }
 
+TEST_F(ObjMaterial, AnOpacityPictureTakesNoRoomOfItsOwn) {
+  cv::Mat cut(2, 2, CV_8UC4, cv::Scalar(0, 0, 255, 255));
+  cut.at<cv::Vec4b>(0, 0)[3] = 0;
+  folder_.write("cut.png", png_bytes(cut));
+  folder_.write("grey.png", png_bytes(cv::Mat(2, 2, CV_8U, cv::Scalar(100))));
+  const Mesh same = mesh("map_Kd cut.png\nmap_d cut.png\n");
+  EXPECT_EQ(same.parts[0].material->alpha_mode, AlphaMode::kMask);
+  EXPECT_EQ(same.textures.size(), 1u);
+  EXPECT_EQ(mesh("map_Kd red.png\nmap_d grey.png\n").textures.size(), 2u);
+  EXPECT_EQ(mesh("map_d grey.png\n").textures.size(), 1u);
+}
+
+TEST_F(ObjMaterial, AColourStaysWhereItsOpacityFindsNoRoom) {
+  const cv::Mat large(4096, 8192 + 1, CV_8UC4, cv::Scalar(0, 0, 255, 100));  // over half the room
+  folder_.write("large.png", png_bytes(large));
+  folder_.write("grey.png", png_bytes(cv::Mat(1, 1, CV_8U, cv::Scalar(100))));
+  const Mesh same = mesh("map_Kd large.png\nmap_d large.png\n");
+  EXPECT_THAT(same.lost_textures, IsEmpty());
+  EXPECT_EQ(same.parts[0].material->alpha_mode, AlphaMode::kBlend);
+  const Mesh other = mesh("map_Kd large.png\nmap_d grey.png\n");
+  EXPECT_THAT(other.lost_textures, ElementsAre(HasSubstr("is one too many")));
+  EXPECT_TRUE(other.parts[0].material->base_texture.is_there());
+  EXPECT_EQ(other.parts[0].material->alpha_mode, AlphaMode::kOpaque);
+}
+
 TEST_F(ObjMaterial, APicturesOptionsSayWhereItLies) {
   const auto transform = [&](const std::string& options) {
     return material("Kd 1 1 1\nmap_Kd " + options + " red.png\n").base_texture.texture_from_uv;

@@ -84,6 +84,10 @@ TEST(PictureFile, ItsSizeIsWhatItStates) {
   for (const std::string& whole : {png_bytes(ramp()), jpeg_bytes(ramp()), tiff_bytes(metres)}) {
     EXPECT_EQ(picture_size(folder.write("whole", whole)), cv::Size(8, 6));
   }
+  // A JPEG's comments may be longer than what is read of it at first.
+  std::string late = jpeg_bytes(ramp());
+  for (int i = 0; i < 3; ++i) late.insert(2, "\xff\xfe\x7f\xff" + std::string(0x7fff - 2, ' '));
+  EXPECT_EQ(picture_size(folder.write("late.jpg", late)), cv::Size(8, 6));
   EXPECT_EQ(picture_size(folder.write("bomb.png", png_head(30000, 30001))), cv::Size(30000, 30001));
   EXPECT_EQ(picture_size(folder.write("words.png", "not a picture")), std::nullopt);
   EXPECT_EQ(picture_size(folder.path() / "none.png"), std::nullopt);

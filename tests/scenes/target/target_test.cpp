@@ -174,6 +174,30 @@ TEST_F(TargetFile, OneSidedHolesAreSaidUnlessBacksAreSeen) {
   EXPECT_THAT(error_of([&] { load_target(open_file, use); }), HasSubstr("\"sene\""));
 }
 
+TEST_F(TargetFile, AFeatureIsHiddenWhereItsSurfaceIsNotDrawn) {
+  constexpr const char* kSquare =
+      "name = 'square'\n[mesh]\nfile = 'square.glb'\nforward = 'z'\nup = 'y'\n[[feature]]\n"
+      "name = 'corner'\nkind = 'corner'\nposition_m = [1, 1, 0]\nclearance_m = ";
+  Mesh square{
+      .vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, .triangles = {}, .parts = {}};
+  square.parts.emplace_back().material.emplace();
+  square.triangles = {{.vertex = {0, 1, 2}}, {.vertex = {0, 2, 3}}};
+  compute_corner_normals(square, 0.1);
+  for (const bool has_back : {false, true}) {
+    square.parts[0].material->is_two_sided = has_back;
+    write_glb(square, folder_.path() / "square.glb");
+    for (const char* clearance : {"1e-6", "0.01"}) {
+      const auto target = load(std::string(kSquare) + clearance);
+      Pose from_front;  // the normals are along z
+      from_front.translation = {-0.3, -0.4, -10};
+      Pose from_behind = from_front;
+      from_behind.translation.z() = 10;
+      EXPECT_FALSE(is_self_hidden(*target, target->features[0], from_front)) << clearance;
+      EXPECT_EQ(is_self_hidden(*target, target->features[0], from_behind), !has_back) << clearance;
+    }
+  }
+}
+
 TEST_F(TargetFile, IsReadOnceWhileItIsRemembered) {
   const std::string mesh = (folder_.path() / "cube.glb").string();
   const std::string roundabout = (folder_.path() / "." / "cube.glb").string();
