@@ -189,7 +189,8 @@ TEST(OneSided, ABackIsNotThereInPicturesAndTruth) {
     EXPECT_EQ(frame.truth.target().visible_pixels, 0);
     EXPECT_EQ(frame.truth.target().amodal_pixels, 0);
     EXPECT_EQ(
-        seen_frame(from_behind(scene_of(panes({kWhite}), mode))).part_ids.at<uint16_t>(250, 260), 1);
+        seen_frame(from_behind(scene_of(panes({kWhite}), mode))).part_ids.at<uint16_t>(250, 260),
+        1);
   }
 }
 
