@@ -103,7 +103,7 @@ class ColourResolver {
   Order as_drawn_, by_group_;
   const Order* order_ = &as_drawn_;    // of the pixel's samples
   std::vector<int> rest_;              // samples whose groups are not yet known
-  std::vector<float> light_;           // of each group's samples, as PaintedGroup has it
+  std::vector<float> light_;           // of each group's samples, as PaintedSamples have it
   std::vector<PaintedGroup> run_;      // groups of one paint, one after the other
   PlacedSamples placed_;               // of those
   std::vector<Eigen::Array4f> layer_;  // of a group's samples: light and alpha

@@ -252,6 +252,23 @@ TEST(Colour, ShadowsAndHighlightsFindThePrint) {
   EXPECT_GT(cv::norm(Renderer().render_linear(scene), plain, cv::NORM_INF), 0.05);
 }
 
+// Stripes finer than pixels: the samples of one triangle have lights of their own under print too.
+TEST(Colour, WhitePrintIsSeenUnderTheLightOfEachSample) {
+  Texture white{.name = "white", .width = 1, .height = 1, .rgba = {255, 255, 255, 255}};
+  Mesh mesh = painted_plate(1, std::make_shared<const Texture>(std::move(white)));
+  Scene scene = colour_scene(mesh, at(0, 0, 10, {0.4, 0.3, 0}), 2560);
+  scene.livery = {.contrast = 0.5, .stripe_m = 0.003};
+  scene.light = {.to_light_in_cam = Eigen::Vector3d(0.3, -0.2, -1).normalized(),
+                 .ambient = 0.2,
+                 .directional = 0.5,
+                 .specular = 0.3};
+  const cv::Mat printed = Renderer().render_linear(scene);
+  mesh.parts[0].material->base_texture = {};
+  mesh.coats.clear();
+  scene.target = target_of(mesh);
+  EXPECT_LT(cv::norm(printed, Renderer().render_linear(scene), cv::NORM_INF), 2 * kRounding);
+}
+
 TEST(Colour, InGreyATextureIsItsLuminance) {
   Scene scene = upright(8);
   Mesh mesh = scene.target->mesh;
