@@ -269,6 +269,22 @@ TEST(Colour, WhitePrintIsSeenUnderTheLightOfEachSample) {
   EXPECT_LT(cv::norm(printed, Renderer().render_linear(scene), cv::NORM_INF), 2 * kRounding);
 }
 
+TEST(Colour, WhatSurfacesSendByATextureIsThatPrintInFullLight) {
+  Mesh mesh = painted_plate(1, many_colours(8, 8));
+  Scene scene = colour_scene(mesh, at(0, 0, 10, {0.4, 0.3, 0}), 2560);
+  scene.light = {.ambient = 1, .directional = 0};
+  const cv::Mat lit = Renderer().render_linear(scene);
+  Material& material = *mesh.parts[0].material;
+  std::swap(material.emissive_texture, material.base_texture);
+  material.emissive = {0.5, 0.5, 0.5};
+  scene.target = target_of(mesh);
+  scene.light.ambient = 0;
+  cv::Mat halves = lit.clone();
+  halves *= 0.5;
+  EXPECT_GT(cv::norm(lit, cv::NORM_INF), 0.5);
+  EXPECT_LT(cv::norm(Renderer().render_linear(scene) - halves, cv::NORM_INF), 2 * kRounding);
+}
+
 TEST(Colour, InGreyATextureIsItsLuminance) {
   Scene scene = upright(8);
   Mesh mesh = scene.target->mesh;
